@@ -12,6 +12,7 @@
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/planar/distance.hpp>
 #include <trellis/collision/planar/segment.hpp>
+#include <trellis/collision/planar/separation.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include "collision_worlds.hpp"
@@ -252,6 +253,61 @@ TEST_CASE("the swept area of a polygon is the union of its shapes on the motion"
       }
     }
   }
+}
+
+namespace {
+
+Pose2 pose_at(Vec2 p, double angle) { return {p.x, p.y, std::cos(angle), std::sin(angle)}; }
+
+}  // namespace
+
+TEST_CASE("the gap at the middle of a motion is the distance, and the bound holds throughout",
+          "[collision][certificate]") {
+  Stream stream(8, "", "gaps");
+  const auto shapes = convex_shapes();
+  MovingConvex moving;
+  Convex robot, obstacle;
+  ConvexShape placed;
+  for (const ConvexShape& shape : shapes) {
+    write_convex(shape, robot);
+    for (const ConvexShape& other : shapes) {
+      write_convex(other, obstacle);
+      for (int i = 0; i < 60; ++i) {
+        const Vec2 middle{stream.uniform(-6.0, 12.0), stream.uniform(-6.0, 12.0)};
+        const Vec2 half{stream.uniform(-1.0, 1.0), i % 3 == 0 ? 0.0 : stream.uniform(-1.0, 1.0)};
+        // Right angles have parallel edges, with as much gap along either.
+        const double angle =
+            i % 4 == 0 ? 0.5 * std::numbers::pi * static_cast<double>(i % 16 / 4) : stream.uniform(-3.0, 3.0);
+        const double turn = i % 5 == 0 ? 0.0 : stream.uniform(-1.5, 1.5);
+        moving.set(robot, pose_at(middle, angle), half, turn);
+        const MovingConvex::Gap gap = moving.gap(obstacle);
+        move_shape(shape, pose_at(middle, angle), placed);
+        CAPTURE(middle, half, angle, turn);
+        REQUIRE(gap.middle == Approx(distance(placed, other)).margin(1e-12));
+        REQUIRE(gap.throughout <= gap.middle + 1e-12);
+        const Box2 box = moving.box();
+        for (int k = -10; k <= 10; ++k) {
+          const double t = 0.1 * k;
+          move_shape(shape, pose_at(middle + t * half, angle + t * turn), placed);
+          REQUIRE(gap.throughout <= distance(placed, other) + 1e-12);
+          REQUIRE(margin_inside(bounding_box(placed), box) >= -1e-12);
+        }
+        // A short motion loses little.
+        constexpr double part = 1e-4;
+        moving.set(robot, pose_at(middle, angle), part * half, part * turn);
+        REQUIRE(moving.gap(obstacle).throughout >= gap.middle - part * 30.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("a motion along an obstacle keeps its gap", "[collision][certificate]") {
+  Convex bar, wall;
+  write_convex(Box2{{-0.3, -0.1}, {0.3, 0.1}}, bar);
+  write_convex(Box2{{-10, -1}, {10, 0}}, wall);
+  MovingConvex moving;
+  moving.set(bar, pose_at({0, 0.1 + 1e-3}, 0.0), {5, 0}, 0.0);
+  CHECK(moving.gap(wall).throughout == Approx(1e-3).epsilon(1e-9));
 }
 
 TEST_CASE("certificates of bodies in space hold at all configurations", "[collision][certificate][space]") {

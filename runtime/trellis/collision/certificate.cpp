@@ -10,9 +10,6 @@ namespace trellis {
 
 namespace {
 
-/// The bound that is certified is this share of the least distance found, so that few intervals are divided for it
-/// alone.
-constexpr double certified_share = 0.9;
 /// So many configurations decide a motion, or it is refuted.
 constexpr std::uint64_t most_checks = std::uint64_t{1} << 21U;
 

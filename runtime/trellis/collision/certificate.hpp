@@ -36,6 +36,10 @@ struct Certificate {
 /// The default of a certificate's tolerance, as a share of the resolution.
 inline constexpr double certificate_share = 1e-6;
 
+/// The bound that is certified is at least this share of the least distance found, so that few intervals are divided for
+/// it alone.
+inline constexpr double certified_share = 0.9;
+
 /// The distances of a robot on one motion. Displacements are those of the robot's points on a part of the motion: they
 /// are proportional to its share of the motion.
 class MotionClearance {

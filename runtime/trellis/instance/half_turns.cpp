@@ -11,10 +11,10 @@ namespace trellis {
 namespace {
 
 /// Whether a factor of the space turns by half a period between a and b.
-bool turns_half(const Space& space, View a, View b) {
+/// \param tangent  memory for a tangent of the space
+bool turns_half(const Space& space, View a, View b, std::vector<double>& tangent) {
   // Far above rounding: a reader that computes with fewer digits takes the same direction for all other turns.
   constexpr double rounding = 1e-6;
-  std::vector<double> tangent(space.degrees());
   space.log(a, b, tangent);
   const double* v = tangent.data();
   for (const Factor& factor : space.factors()) {
@@ -47,7 +47,8 @@ Configurations with_half_turns_divided(const Space& space, Validity& validity, c
     validity.certify(from, to, certificate);
     return certificate.valid();
   };
-  const auto half = [&](std::size_t i) { return turns_half(space, path[i - 1], path[i]); };
+  std::vector<double> tangent(space.degrees());
+  const auto half = [&](std::size_t i) { return turns_half(space, path[i - 1], path[i], tangent); };
   Configurations divided(path.dimension());
   divided.reserve(path.size());
   Configuration middle(path.dimension());

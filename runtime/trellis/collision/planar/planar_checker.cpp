@@ -16,6 +16,7 @@
 #include <trellis/collision/planar/distance.hpp>
 #include <trellis/collision/planar/part_index.hpp>
 #include <trellis/collision/planar/segment.hpp>
+#include <trellis/collision/planar/separation.hpp>
 
 namespace trellis {
 
@@ -207,9 +208,10 @@ class PlanarChecker final : public Checker {
       return;
     }
     space_.difference(a, b, difference_);
-    const std::vector<double> breaks = wraps(space_, a, difference_);
     if (sweeps_freely(a, b, certificate)) return;
     if (rigid_ && certify_sweep(a, certificate)) return;
+    if (rigid_ && continuous_ && line_between(a, b) && certify_turn(certificate)) return;
+    const std::vector<double> breaks = wraps(space_, a, difference_);
     Clearances& motion = clearances_;
     motion.begin(*this, a, b);
     const double first =
@@ -300,6 +302,22 @@ class PlanarChecker final : public Checker {
   struct Pair {
     std::size_t first;
     std::size_t second;
+  };
+
+  /// A part of a motion, by its middle and half its length as shares of the motion, with the range of the pairs that
+  /// may be close on it.
+  struct OpenInterval {
+    double middle;
+    double half;
+    std::size_t begin;
+    std::size_t end;
+  };
+  /// A part of the robot and one of `near_obstacles_`, or the boundary.
+  struct NearPair {
+    static constexpr std::size_t boundary = std::numeric_limits<std::size_t>::max();
+    std::size_t part;
+    std::size_t obstacle;
+    Box2 box;  ///< of the obstacle or boundary
   };
 
   /// The distances on a motion: inflated pieces decide eight configurations in a step, exact distances the others.
@@ -454,6 +472,105 @@ class PlanarChecker final : public Checker {
     certificate.nearest = least;
     certificate.clearance = std::min(certificate.clearance, least);
     return true;
+  }
+
+  /// Adds a motion of the single body, whose line is set, by the directions in which it is separated from the obstacles
+  /// near it: an interval is certified where the gaps along them exceed the certificate's bound throughout. Returns
+  /// false, and leaves the certificate, where a place on the motion is undecided.
+  bool certify_turn(Certificate& certificate) const {
+    if (!std::isfinite(certificate.nearest)) return false;
+    const auto& parts = robot_.bodies()[0].parts;
+    if (convex_parts_.size() != parts.size()) {
+      convex_parts_.resize(parts.size());
+      for (std::size_t i = 0; i < parts.size(); ++i) write_convex(parts[i], convex_parts_[i]);
+      moving_.resize(parts.size());
+      moving_boxes_.resize(parts.size());
+    }
+    const double displacement =
+        norm(Vec2{line_.difference_x, line_.difference_y}) + std::abs(line_.turn) * robot_.bounding_radius();
+    double nearest = certificate.nearest;
+    const auto enough = [&] { return certified_share * nearest + slack_; };
+    std::uint64_t checks = 0;
+    constexpr std::uint64_t most = 1U << 20U;
+    // Depth first: what an interval leaves undecided its halves decide, and nothing else.
+    near_pairs_.clear();
+    open_.assign(1, {0.5, 0.5, 0, 0});
+    for (bool first = true; !open_.empty(); first = false) {
+      const OpenInterval at = open_.back();
+      open_.pop_back();
+      if (++checks > most) return false;
+      place_parts(at);
+      if (first) find_near_pairs(enough());
+      const std::size_t end = first ? near_pairs_.size() : at.end;
+      near_pairs_.resize(end);
+      for (std::size_t i = at.begin; i < end; ++i) {
+        const NearPair pair = near_pairs_[i];
+        if (box_gap(pair) > enough()) continue;
+        const MovingConvex::Gap gap = gap_of(pair);
+        if (gap.middle <= slack_) return false;
+        nearest = std::min(nearest, gap.middle);
+        if (gap.throughout <= enough()) near_pairs_.push_back(pair);
+      }
+      if (near_pairs_.size() == end) continue;
+      const double half = 0.5 * at.half;
+      if (half * displacement <= certificate.tolerance) return false;
+      for (const double middle : {at.middle - half, at.middle + half}) {
+        open_.push_back({middle, half, end, near_pairs_.size()});
+      }
+    }
+    certificate.checks += checks;
+    certificate.nearest = nearest;
+    certificate.clearance = std::min(certificate.clearance, certified_share * nearest);
+    return true;
+  }
+
+  /// Places the robot's parts on an interval of the line.
+  void place_parts(const OpenInterval& at) const {
+    const double angle = line_.turns ? line_.angle + at.middle * line_.turn : 0.0;
+    const Pose2 middle{line_.x + at.middle * line_.difference_x + line_.joint_x,
+                       line_.y + at.middle * line_.difference_y + line_.joint_y, std::cos(angle), std::sin(angle)};
+    const Vec2 translation = at.half * Vec2{line_.difference_x, line_.difference_y};
+    const double turn = line_.turns ? at.half * line_.turn : 0.0;
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      moving_[i].set(convex_parts_[i], middle, translation, turn);
+      moving_boxes_[i] = moving_[i].box();
+    }
+  }
+
+  /// Finds what the placed parts may come closer to than `by`.
+  void find_near_pairs(double by) const {
+    const Box2& bounds = scene_->world.bounds();
+    std::size_t found = 0;
+    for (std::size_t part = 0; part < moving_.size(); ++part) {
+      const Box2& box = moving_boxes_[part];
+      if (margin_inside(box, bounds) <= by) near_pairs_.push_back({part, NearPair::boundary, bounds});
+      const unsigned count =
+          index_.query({box.lo.x - by, box.hi.x + by, box.lo.y - by, box.hi.y + by}, candidates_.data());
+      for (unsigned k = 0; k < count; ++k) {
+        const Piece& o = obstacles_[candidates_[k]];
+        if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) > by) continue;
+        if (found == near_obstacles_.size()) near_obstacles_.emplace_back();
+        const ConvexShape& shape = scene_->world.parts()[candidates_[k]].shape;
+        if (o.kind == Kind::rectangle) {
+          write_convex(bounding_box(shape), near_obstacles_[found]);
+        } else {
+          write_convex(shape, near_obstacles_[found]);
+        }
+        near_pairs_.push_back({part, found++, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}});
+      }
+    }
+  }
+
+  /// Returns a lower bound on the distance of a pair on the interval of the placed parts: that of their boxes.
+  [[nodiscard]] double box_gap(const NearPair& pair) const {
+    const Box2& box = moving_boxes_[pair.part];
+    return pair.obstacle == NearPair::boundary ? margin_inside(box, pair.box) : box_distance(box, pair.box);
+  }
+
+  [[nodiscard]] MovingConvex::Gap gap_of(const NearPair& pair) const {
+    const MovingConvex& part = moving_[pair.part];
+    if (pair.obstacle == NearPair::boundary) return {margin_inside(part.middle_box(), pair.box), box_gap(pair)};
+    return part.gap(near_obstacles_[pair.obstacle]);
   }
 
   static Box2 swept_box_of(const ConvexShape& shape, Vec2 along) {
@@ -793,11 +910,17 @@ class PlanarChecker final : public Checker {
   mutable Configuration difference_;
   mutable ConvexShape moved_;
   mutable ConvexShape other_;
-  mutable Pieces wide_;                ///< the robot's pieces, inflated
-  mutable Clearances clearances_;      ///< on the motion that is certified
-  mutable std::vector<Box> hulls_;     ///< of the pieces, where there are pairs
-  mutable kernel::Poses seen_{};       ///< a body in another body's frame
-  mutable std::vector<double> rates_;  ///< metres that points move per radian of each axis
+  mutable Pieces wide_;                       ///< the robot's pieces, inflated
+  mutable Clearances clearances_;             ///< on the motion that is certified
+  mutable std::vector<Convex> convex_parts_;  ///< of the robot's only body, in its frame; empty before their first use
+  mutable std::vector<MovingConvex> moving_;  ///< the same on an interval
+  mutable std::vector<Box2> moving_boxes_;    ///< around them
+  mutable std::vector<Convex> near_obstacles_;  ///< of the motion that is certified; its memory is kept
+  mutable std::vector<OpenInterval> open_;      ///< a stack
+  mutable std::vector<NearPair> near_pairs_;    ///< of the open intervals, in ranges
+  mutable std::vector<Box> hulls_;              ///< of the pieces, where there are pairs
+  mutable kernel::Poses seen_{};                ///< a body in another body's frame
+  mutable std::vector<double> rates_;           ///< metres that points move per radian of each axis
 };
 
 }  // namespace
