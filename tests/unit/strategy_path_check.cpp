@@ -83,6 +83,22 @@ TEST_CASE("a path that is refuted when all proposals are spent leaves the next b
   }
 }
 
+TEST_CASE("RRT* finds another path in its tree where its path is refuted after the last proposal",
+          "[executor][path_check]") {
+  Problem problem = test::cup_problem();
+  problem.resolution = 0.15;
+  // Of the first 200 seeds, those whose goal is beyond more than one node that lost its parent.
+  for (const std::uint64_t seed : {81, 114, 167, 186}) {
+    CAPTURE(seed);
+    const RunRecord run =
+        execute(PlannerSpec::make("rrt_star", {{"proposals", 3000.0}, {"improve", 3000.0}}), problem, seed);
+    CHECK(run.refuted_paths > 0);
+    CHECK(run.levels.front().search.proposals.size() == 3000);
+    REQUIRE(run.solved);
+    CHECK(path_fault(problem, run.path).empty());
+  }
+}
+
 TEST_CASE("a driven path is certified, too", "[executor][path_check][kinodynamic]") {
   // A step of 0.1 m from one side of a wall to the other.
   const Problem problem = test::driven(thin_walls(0.02));

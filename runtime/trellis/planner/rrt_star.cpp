@@ -37,6 +37,7 @@ class RrtStar final : public StartTreePlanner {
   std::optional<Status> begin(const Budget& budget) override {
     best_path_.begin();
     drew_ = false;
+    proposals_ = budget.proposals;
     return TreePlanner::begin(budget);
   }
 
@@ -68,7 +69,7 @@ class RrtStar final : public StartTreePlanner {
   }
   bool unchecked() override {
     while (!repair_->pending()) {
-      if (!reconnect_orphans()) return false;
+      if (!reconnect_orphans() && !recover_path()) return false;
     }
     return true;
   }
@@ -166,24 +167,43 @@ class RrtStar final : public StartTreePlanner {
   /// Rewires each node whose motion from a valid parent is invalid to one of its neighbours, by the rule for
   /// insertions. Returns whether there were such nodes.
   bool reconnect_orphans() {
-    const auto& space = context_.instance.space;
     bool any = false;
     for (std::uint32_t id = 0; id < tree_->size(); ++id) {
-      if (!repair_->known_invalid(id) || !repair_->known_valid(tree_->parent(id))) continue;
-      const Configuration q((*tree_)[id].begin(), (*tree_)[id].end());
-      connection_.find(tree_->index(), q, near_);
-      candidates_.clear();
-      for (const auto& n : near_) {
-        if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_candidate(n.id, std::sqrt(n.squared_distance));
-      }
-      sort_candidates();
-      const auto found = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
-        return motion_valid((*tree_)[candidate.node], q);
-      });
-      if (found == candidates_.end()) continue;
-      rewire(id, found->node, space.distance((*tree_)[found->node], q));
-      repair_->reconnected(id, descendants(id));
-      any = true;
+      if (repair_->known_invalid(id) && repair_->known_valid(tree_->parent(id))) any = reconnect(id) || any;
+    }
+    return any;
+  }
+
+  /// Rewires a node to one of its neighbours with a valid branch, by the rule for insertions. Returns whether it has
+  /// such a neighbour.
+  bool reconnect(std::uint32_t id) {
+    const auto& space = context_.instance.space;
+    const Configuration q((*tree_)[id].begin(), (*tree_)[id].end());
+    connection_.find(tree_->index(), q, near_);
+    candidates_.clear();
+    for (const auto& n : near_) {
+      if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_candidate(n.id, std::sqrt(n.squared_distance));
+    }
+    sort_candidates();
+    const auto found = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
+      return motion_valid((*tree_)[candidate.node], q);
+    });
+    if (found == candidates_.end()) return false;
+    rewire(id, found->node, space.distance((*tree_)[found->node], q));
+    repair_->reconnected(id, descendants(id));
+    return true;
+  }
+
+  /// If no proposals are left and the tree lost its nodes at the goals, only its other nodes can give another path:
+  /// reconnects as many nodes of invalid branches as possible, not only the first of each. Returns whether it
+  /// reconnected any.
+  bool recover_path() {
+    const bool spent = static_cast<double>(context_.search.proposals.size()) >= proposals_;
+    if (!spent || ends_.empty()) return false;
+    if (std::any_of(ends_.begin(), ends_.end(), [&](std::uint32_t id) { return branch_still_valid(id); })) return false;
+    bool any = false;
+    for (std::uint32_t id = 0; id < tree_->size(); ++id) {
+      if (!branch_still_valid(id)) any = reconnect(id) || any;
     }
     return any;
   }
@@ -258,6 +278,7 @@ class RrtStar final : public StartTreePlanner {
   BestPath best_path_;
   bool drew_ = false;            ///< this solve drew a proposal
   bool known_ = false;           ///< a path was known when this solve began
+  double proposals_ = 0.0;       ///< limit of proposals of this solve
   std::vector<double> costs_;    ///< for each node, the length of its path from the start
   std::vector<double> lengths_;  ///< for each node, the length of the motion from its parent
   std::vector<std::vector<std::uint32_t>> children_;
