@@ -243,6 +243,25 @@ TEST_CASE("several paths are separated except near their ends, and exclusions en
   }
 }
 
+TEST_CASE("a goal near a path is a goal again when exclusions end", "[guide][paths][goals]") {
+  Problem problem =
+      test::make_problem("open", test::rectangle_world({{1, 8, 2, 9}}), test::rectangle_robot(), {1, 2, 0}, {9, 2, 0});
+  problem.goals.push_back({5, 2.6, 0});
+  const auto& second = problem.goals.back();
+  int dropped = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    const auto w = work("shrink", {{"paths", std::int64_t{2}}, {"distinct", 1.0}}, problem, seed);
+    REQUIRE_FALSE(w.paths.empty());
+    const auto& first = w.paths.front();
+    // The search for the second path may not end at the goal beside the first one.
+    const bool ends_there = w.parent->space.distance(first.back(), second) < 1.0;
+    dropped += !ends_there && least_distance(w.parent->space, second, first) < 0.9 ? 1 : 0;
+    CHECK(w.sub->goals.size() == 2);
+  }
+  CHECK(dropped > 0);
+}
+
 TEST_CASE("where there is no second path the search for it ends with its budget, and one guides", "[guide][paths]") {
   auto w =
       work("identity", {{"paths", std::int64_t{4}}, {"effort", std::int64_t{300}}}, test::simple_passage_problem());

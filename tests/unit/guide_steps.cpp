@@ -263,6 +263,10 @@ TEST_CASE("a verified motion is known in both directions, a part of it is anothe
     space.interpolate(a, b, 0.5, p);
     CHECK_FALSE(verified.contain(a, p));
     CHECK_FALSE(verified.contain(p, b));
+    // A motion that stays where it is says nothing of another one.
+    verified.add(a, a);
+    CHECK(verified.contain(a, a));
+    CHECK_FALSE(verified.contain(b, b));
   }
 }
 

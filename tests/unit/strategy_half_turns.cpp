@@ -157,3 +157,34 @@ TEST_CASE("every planner reports a path whose turns have the direction that was 
     }
   }
 }
+
+TEST_CASE("a guided search reports a half turn in a direction that is free, from whichever end it was verified",
+          "[executor][half_turns]") {
+  // A lazy guide stores verified motions without their direction.
+  std::vector<StrategySpec> strategies;
+  for (const char* guide : {"lazy", "shrink", "identity"}) {
+    for (const char* planner : {"rrt", "rrt_connect", "prm", "rrt_star"}) {
+      for (const char* below : {"rrt_connect", "lazy_prm"}) {
+        const auto long_step =
+            planner == std::string("prm") ? std::vector<Options::Entry>{} : std::vector<Options::Entry>{{"step", 5.0}};
+        strategies.push_back(GuideSpec::make(guide, {}, PlannerSpec::make(below, {})) >>
+                             PlannerSpec::make(planner, long_step));
+      }
+    }
+  }
+  for (const StrategySpec& strategy : strategies) {
+    for (const double side : {1.0, -1.0}) {
+      for (const bool swapped : {false, true}) {
+        CAPTURE(strategy.text(), side, swapped);
+        Problem problem = hinged(side);
+        if (swapped) std::swap(problem.start, problem.goals.front());
+        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+          const RunRecord run = execute(strategy, problem, seed);
+          REQUIRE(run.solved);
+          CHECK(path_fault(problem, read_again(run.path)).empty());
+          CHECK(valid_forwards(problem, read_again(run.path)));
+        }
+      }
+    }
+  }
+}

@@ -362,6 +362,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
                                                          instance->position_axes, place_radius);
     if (excluding_) excluding->replace(*excluding_);
     excluding_ = std::move(excluding);
+    goals_.clear();
     instance->validity = excluding_;
     parents_ = parent.validity;
     lost_ = Configurations(instance->space.dimension());
@@ -374,12 +375,15 @@ std::int64_t PathGuide::another(const Solution* found) {
   if (path_settings_.paths <= 1) return 0;
   if (std::exchange(complete_, false)) paths_.clear();
   if (found != nullptr) {
+    // A search whose paths have to keep apart may drop goals near these paths.
+    if (paths_.empty()) goals_ = sub_->goals;
     paths_.push_back(found->path);
     const bool more = static_cast<std::int64_t>(paths_.size()) < path_settings_.paths;
     if (more && keep_apart_from(found->path)) return path_settings_.effort;
   }
   // Ends the exclusion of paths: they are valid configurations.
   if (!paths_.empty()) excluding_->include_paths();
+  if (!goals_.empty()) sub_->goals = std::exchange(goals_, {});
   complete_ = true;
   return 0;
 }

@@ -393,6 +393,7 @@ class PathGuide : public Guide {
   // For guides that search for several paths:
   std::vector<Configurations> paths_;  ///< found since h was last made
   std::shared_ptr<KeptTree> tree_;     ///< of S, if it is kept
+  std::vector<Configuration> goals_;   ///< of S before the search for the second path; empty: none is searched
   bool complete_ = false;              ///< no further path is required or exists
 };
 
