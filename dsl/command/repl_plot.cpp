@@ -21,7 +21,6 @@
 #include <trellis/draw/spatial.hpp>
 #include <trellis/draw/worlds.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
-#include <trellis/report/report.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 
@@ -355,12 +354,9 @@ draw::Canvas spatial_picture(const Run& run, std::size_t level) {
 
 }  // namespace
 
-void plot_file(const Run& run, std::size_t level, const std::string& path) {
+std::string plot_picture(const Run& run, std::size_t level, const std::string& path) {
   const draw::Format format = format_of(path);
-  if (is_spatial(run.result().levels.at(level).record)) {
-    write_file(path, spatial_picture(run, level).render(format));
-    return;
-  }
+  if (is_spatial(run.result().levels.at(level).record)) return spatial_picture(run, level).render(format);
   const Sketch sketch = sketch_of(run, level);
   namespace page = draw::page;
   namespace palette = draw::palette;
@@ -406,7 +402,7 @@ void plot_file(const Run& run, std::size_t level, const std::string& path) {
     draw::draw_end(canvas, at(sketch.goal), end_radius, false);
   }
   canvas.stroke(draw::Path::rectangle(world), {.colour = palette::frame, .width = 0.7});
-  write_file(path, canvas.render(format));
+  return canvas.render(format);
 }
 
 }  // namespace trellis::command

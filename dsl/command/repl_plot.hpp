@@ -18,7 +18,8 @@ struct Screen {
 /// \throws Error for a level without a position in the plane or in space.
 std::string plot_text(const Run& run, std::size_t level, const Screen& screen);
 
-/// Draws the same as a picture; the file's extension selects the format: .svg, .png or .pdf.
-void plot_file(const Run& run, std::size_t level, const std::string& path);
+/// Draws the same as a picture and returns the bytes of its file. The file's extension selects the format: .svg, .png
+/// or .pdf. \throws Error for another extension.
+std::string plot_picture(const Run& run, std::size_t level, const std::string& path);
 
 }  // namespace trellis::command

@@ -331,8 +331,7 @@ class Verbs {
     const Value given = call[file ? next + 1 : next];
     const std::size_t level = given.given() ? level_argument("plot", run, given) : level_at_work(run);
     if (file) {
-      require_writable_file(*file);
-      plot_file(run, level, *file);
+      write_own("plot", *file, plot_picture(run, level, *file));
       say(fmt::format("{} written", *file));
     } else {
       print_drawing(plot_text(run, level, bench_.screen()));
@@ -531,10 +530,7 @@ class Verbs {
     } else {
       text += fmt::format("return {}, {}\n", strategy, problem);
     }
-    require_writable_file(*file);
-    require_own(*file);
-    write_file(*file, text);
-    bench_.saved[absolute(*file)] = text;
+    write_own("save", *file, text);
     say(fmt::format("{} written: {} inputs", *file, bench_.accepted.size()));
     return 0;
   }
@@ -573,16 +569,25 @@ class Verbs {
     return expression.substr(0, expression.find_first_of(".[( "));
   }
 
+  /// Writes a file of the session.
+  /// \param verb  the session command that writes it
   /// \throws Error for a file that is there, that this session did not write, and that the person does not give up
-  void require_own(const std::string& file) const {
+  void write_own(std::string_view verb, const std::string& file, const std::string& content) {
+    require_writable_file(file);
+    require_own(verb, file);
+    write_file(file, content);
+    bench_.written[absolute(file)] = content;
+  }
+
+  void require_own(std::string_view verb, const std::string& file) const {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) return;
-    const auto saved = bench_.saved.find(absolute(file));
-    if (saved != bench_.saved.end() && dsl::read_file(file) == saved->second) return;
-    const char* why = saved == bench_.saved.end() ? "is there, and this session did not write it"
-                                                  : "has changed since this session wrote it";
+    const auto written = bench_.written.find(absolute(file));
+    if (written != bench_.written.end() && dsl::read_file(file) == written->second) return;
+    const char* why = written == bench_.written.end() ? "is there, and this session did not write it"
+                                                      : "has changed since this session wrote it";
     if (bench_.confirmed(fmt::format("'{}' {}. Replace it? [y/N] ", file, why))) return;
-    throw Error(fmt::format("save: '{}' {}; it is left as it is: save under another name", file, why));
+    throw Error(fmt::format("{0}: '{1}' {2}; it is left as it is: {0} under another name", verb, file, why));
   }
 
   /// The text of the chunk that defines a function.

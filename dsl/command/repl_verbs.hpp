@@ -52,8 +52,8 @@ struct Bench {
   std::optional<Planned> planned;
   std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments
   std::set<std::string> lost;         ///< globals whose values no line of `accepted` gives
-  std::map<std::string, std::string>
-      saved;  ///< files that save() has written, by their absolute paths, and their texts
+  /// Files that save() and plot() have written, by their absolute paths, and their contents.
+  std::map<std::string, std::string> written;
   /// Asks the person at the terminal a question; false where there is none.
   std::function<bool(const std::string& question)> confirmed = [](const std::string&) { return false; };
   std::string last_input;

@@ -585,6 +585,42 @@ TEST_CASE("save replaces a file that the session did not write only if the perso
   CHECK(content(place / "there.lua") == "return 'changed by another program'\n");
 }
 
+TEST_CASE("plot replaces a file that the session did not write only if the person says so") {
+  const Place place;
+  for (const std::string ending : {"svg", "png", "pdf"}) {
+    const std::string there = "there." + ending;
+    const std::string mine = "mine." + ending;
+    place.script(there, "a picture of the person");
+    const Piped refused = pipe(place, "plan(rrt {})\nplot '" + there + "'\nplot '" + mine + "'\nplot '" + mine + "'\n");
+    INFO(ending << ": " << refused.err);
+    CHECK(refused.status == 2);
+    CHECK_THAT(refused.err, Contains("plot: '" + there +
+                                     "' is there, and this session did not write it; it is left "
+                                     "as it is: plot under another name") &&
+                                !Contains(mine));
+    CHECK(content(place / there) == "a picture of the person");
+    CHECK(content(place / mine).size() > 100);  // its own, twice
+  }
+  Sitting sitting(place);
+  sitting.enter("plan(rrt {})");
+  for (const std::string no : {"\n", "n\n", ctrl_c}) {
+    sitting.terminal.type("plot 'there.svg'\n");
+    sitting.terminal.wait_for("'there.svg' is there, and this session did not write it. Replace it? [y/N] ");
+    sitting.terminal.type(no);
+    CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("it is left as it is"));
+    CHECK(content(place / "there.svg") == "a picture of the person");
+  }
+  sitting.terminal.type("plot 'there.svg'\n");
+  sitting.terminal.wait_for("[y/N] ");
+  sitting.terminal.type("y\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("there.svg written"));
+  CHECK_THAT(content(place / "there.svg"), Contains("<svg"));
+  CHECK_THAT(sitting.enter("plot 'there.svg'"), Contains("there.svg written"));
+  // A wrong name is an error before the question.
+  place.script("there.gif", "a picture of the person");
+  CHECK_THAT(sitting.enter("plot 'there.gif'"), Contains("ends with .svg, .png or .pdf"));
+}
+
 TEST_CASE("what is saved after tune, and after values of runs, is a script that runs") {
   const Place place;
   const std::string tuning =
