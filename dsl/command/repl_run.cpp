@@ -80,15 +80,19 @@ void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& int
     ExecuteOptions options;
     options.watch = [&run](const LevelRecord& level, const Guidance&) {
       ++run.proposals;
-      run.last = {static_cast<std::size_t>(level.level), level.search.proposals.size()};
+      run.last = {level.level, level.search.proposals.size()};
     };
     run.execution = std::make_unique<Execution>(run.strategy, run.problem, run.seed, options);
   }
   run.known.reset();
   run.scored = false;
   if (!run.execution->advance([&] { return run.proposals >= proposals || (interrupted && interrupted()); })) return;
-  static_cast<void>(run.result());
+  const RunResult& result = run.result();
   run.execution.reset();
+  if (!run.last || run.last->level >= 0) return;
+  // The record of level 0 ends with the proposals of the unguided planner.
+  const std::size_t all = result.levels.front().record.search.proposals.size();
+  run.last = {0, all - result.run.bounded.unguided_proposals + run.last->row};
 }
 
 void score(Run& run, const Measure& measure, const std::function<bool()>& interrupted) {
@@ -135,15 +139,19 @@ std::string where_text(const Run& run) {
   }
   if (!run.last) return "nothing has been proposed yet\n" + end;
   // A record of all samples would take longer than a step.
-  const auto record_of = [&](std::size_t level) -> const LevelRecord& {
+  const auto record_of = [&](int number) -> const LevelRecord& {
+    if (number < 0) return *run.execution->companion();
+    const auto level = static_cast<std::size_t>(number);
     return run.ended() ? run.result().levels.at(level).record : run.execution->level(level);
   };
   const LevelRecord& level = record_of(run.last->level);
   const Search& search = level.search;
   const std::size_t row = run.last->row;
   const Guidance::Source source = search.proposal_sources[row];
-  std::string text = fmt::format("proposal {} of the run, number {} of level {}, {}, searched by {}\n", run.proposals,
-                                 row + 1, level.level, level.name, level.planner);
+  const std::string name =
+      level.level < 0 ? "level 0 without guides" : fmt::format("level {}, {}", level.level, level.name);
+  std::string text = fmt::format("proposal {} of the run, number {} of {}, searched by {}\n", run.proposals, row + 1,
+                                 name, level.planner);
   const View q = search.proposals[row];
   text += fmt::format("  proposed  {} by {}\n", text_of(q),
                       source < search.sources.size() ? search.sources[source] : "an unknown part of h");
@@ -154,9 +162,8 @@ std::string where_text(const Run& run) {
                       : solves == 1 ? "solved once"
                                     : fmt::format("solved {} times", solves));
   std::string waiting;
-  for (int at = level.parent; at >= 0; at = record_of(static_cast<std::size_t>(at)).parent) {
-    waiting +=
-        fmt::format("{}level {}, {}", waiting.empty() ? "" : ", ", at, record_of(static_cast<std::size_t>(at)).name);
+  for (int at = level.parent; at >= 0; at = record_of(at).parent) {
+    waiting += fmt::format("{}level {}, {}", waiting.empty() ? "" : ", ", at, record_of(at).name);
   }
   if (!waiting.empty()) text += "; above it: " + waiting;
   return text + "\n" + end;

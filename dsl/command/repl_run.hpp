@@ -25,7 +25,7 @@ struct Run {
 
   /// The last proposal: its level, and its number there from 0.
   struct Last {
-    std::size_t level = 0;
+    int level = 0;  ///< -1: the unguided planner beside the levels
     std::size_t row = 0;
   };
   std::optional<Last> last = {};

@@ -17,7 +17,8 @@ namespace trellis::test {
 /// The same sequence of specs for the same seed.
 class RandomSpecs {
  public:
-  explicit RandomSpecs(std::uint64_t seed) : stream_(seed, "specs", "random") {}
+  /// \param bound  of the planner at the root; 0: its default
+  explicit RandomSpecs(std::uint64_t seed, double bound = 0.0) : stream_(seed, "specs", "random"), bound_(bound) {}
 
   /// \param depth  of what is combined, at the most
   GuideSpec guide(int depth) {
@@ -100,10 +101,13 @@ class RandomSpecs {
   PlannerSpec root() {
     static constexpr std::array names = {"rrt",      "rrt_connect", "prm",           "lazy_prm",
                                          "rrt_star", "prm_star",    "lazy_prm_star", "lazy_rrg_star"};
-    return PlannerSpec::make(names[stream_.below(names.size())], {{"proposals", std::int64_t{800}}});
+    std::vector<Options::Entry> given = {{"proposals", std::int64_t{800}}};
+    if (bound_ > 0.0) given.emplace_back("bound", bound_);
+    return PlannerSpec::make(names[stream_.below(names.size())], given);
   }
 
   Stream stream_;
+  double bound_;
 };
 
 }  // namespace trellis::test

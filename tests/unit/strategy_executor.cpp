@@ -523,7 +523,7 @@ TEST_CASE("a run that stops and continues is the run that never stops", "[execut
         REQUIRE(drawn == stop);
         stop += stride;
         if (stride < 100) continue;
-        // A look at the run changes nothing.
+        // Its record changes nothing.
         const RunRecord so_far = execution.record();
         CHECK(so_far.status == Status::interrupted);
         CHECK_FALSE(so_far.solved);

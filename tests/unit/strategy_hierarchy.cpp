@@ -3,6 +3,7 @@
 // stands now, and motions that are checked once.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/random_specs.hpp"
 #include "support/refuses.hpp"
 #include "support/space.hpp"
 #include "support/worlds.hpp"
@@ -201,6 +203,67 @@ TEST_CASE("the work of guided proposals and of all levels below is bounded by th
       }
     }
   }
+}
+
+namespace {
+
+/// Without the proposals of the halves of a divided level, which are its own too.
+double work(const RunRecord& run) {
+  double sum = 0.0;
+  for (const LevelRecord& level : run.levels) {
+    const std::size_t last = level.key.rfind('/');
+    const bool half = last != std::string::npos && level.key[last + 1] != '0';
+    sum += half ? static_cast<double>(level.search.checks.validity) : work(level);
+  }
+  return sum;
+}
+
+/// Checks the law of bounded loss for one run against the planner alone on the same seed.
+void check_law(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed) {
+  CAPTURE(strategy.text(), problem.name, seed);
+  const RunRecord guided = execute(strategy, problem, seed);
+  const RunRecord alone = execute(strategy.planner(), problem, seed);
+  const BoundedLoss& law = guided.bounded;
+  REQUIRE(law.bound == 2.0);
+  CHECK(law.guided + law.unguided <= law.bound * work(alone) + law.constant + law.largest_step);
+  CHECK(law.unguided <= work(alone));
+  // A run that the unguided planner solves is solved.
+  if (alone.solved) CHECK(guided.solved);
+  // The unguided planner beside the guided search does what it does alone.
+  const Search& all = guided.levels.front().search;
+  const Search& search = alone.levels.front().search;
+  REQUIRE(law.unguided_proposals <= search.proposals.size());
+  const std::size_t begin = all.proposals.size() - law.unguided_proposals;
+  for (std::size_t i = 0; i < law.unguided_proposals; ++i) {
+    REQUIRE(std::ranges::equal(all.proposals[begin + i], search.proposals[i]));
+    REQUIRE(all.fates[begin + i] == search.fates[i]);
+  }
+  if (law.unguided_won) {
+    CHECK(std::ranges::equal(guided.path.values(), alone.path.values()));
+    CHECK(law.unguided == work(alone));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("whatever a guide does, a run spends at most twice what its planner spends alone, and a constant",
+          "[strategy][bound]") {
+  for (const auto& problem : {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()}) {
+    for (const std::string planner : {"rrt", "rrt_connect", "prm"}) {
+      for (const auto& guide : adversaries()) {
+        const StrategySpec strategy{PlannerSpec::make(planner, {{"bound", 2.0}}), guide};
+        for (std::uint64_t seed = 1; seed <= 5; ++seed) check_law(strategy, problem, seed);
+      }
+    }
+  }
+}
+
+TEST_CASE("bounded loss holds for random hierarchies", "[strategy][bound]") {
+  const char* set = std::getenv("TRELLIS_RUNS");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  const std::uint64_t runs = set != nullptr ? std::strtoull(set, nullptr, 10) : 60;
+  test::RandomSpecs specs(7, 2.0);
+  const std::vector<Problem> problems = {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()};
+  for (std::uint64_t i = 0; i < runs; ++i) check_law(specs.strategy(4), problems[i % problems.size()], i);
 }
 
 TEST_CASE("the sides of bounded loss are all that a level and those below it spent", "[strategy][bound]") {

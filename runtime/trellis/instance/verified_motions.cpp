@@ -17,7 +17,7 @@ std::uint64_t configuration_digest(View q) {
 std::uint64_t motion_digest(View a, View b) {
   const std::uint64_t x = configuration_digest(a);
   const std::uint64_t y = configuration_digest(b);
-  // The product tells apart the motions from a configuration to itself, whose digests' difference is 0.
+  // The product distinguishes the motions from a configuration to itself, whose digests' difference is 0.
   return (x ^ y) + x * y;
 }
 

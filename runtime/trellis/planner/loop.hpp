@@ -49,10 +49,13 @@ Settings<S> with_common(Settings<S> settings) {
   settings.number("uniform", &S::uniform, "share of proposals", Range::share(),
                   "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
                   "completeness rests on the guide alone");
-  settings.number("bound", &S::bound, "factor", Range::non_negative(),
-                  "work (validity checks and proposals) of guided proposals and of the levels below, per work of "
-                  "unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; "
-                  "0: without bound; the report prints the validity checks of either side");
+  settings.number(
+      "bound", &S::bound, "factor", Range::non_negative(),
+      "at the root, more than 1: the work (validity checks and proposals) of a guided run is at most so many "
+      "times that of this planner without guides on the same seed, and a constant: it runs beside the "
+      "guided search. At most 1, or below the root: work of guided proposals and of the levels below, per "
+      "work of unguided proposals, beyond what a path costs to check and what progress along a guiding "
+      "path earns. 0: without bound. The report prints the validity checks of either side");
   // Nodes have 32-bit numbers.
   settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");
@@ -100,8 +103,9 @@ class BudgetMonitor {
 /// What an executor does in the loop of a planner.
 struct StepHooks {
   std::function<bool()> interrupted = {};  ///< polled before every step; true ends the loop with Status::interrupted
-  /// Called before every step: prepares h, which may search other levels. Returns whether the loop pauses.
-  std::function<bool()> prepare = {};
+  /// Called before every step: prepares h, which may search other levels. Returns a status that ends the loop, as
+  /// Status::paused, or none.
+  std::function<std::optional<Status>()> prepare = {};
   const double* stopped = nullptr;  ///< see BudgetMonitor
 };
 
@@ -112,29 +116,51 @@ inline Configurations path_of_start(const Instance& instance) {
   return path;
 }
 
-/// The planning loop: lets a planner take steps until it ends or a limit is reached.
-/// \param instance  of the planner
-/// \param search  of the planner
+/// The planning loop, one step at a time: lets a planner take steps until it ends or a limit is reached.
+class StepLoop {
+ public:
+  /// Begins a solve. The referenced objects outlive the loop.
+  /// \param instance  of the planner
+  /// \param search  of the planner
+  StepLoop(Planner& planner, const Instance& instance, const Search& search, const Budget& budget, StepHooks hooks = {})
+      : planner_(planner),
+        instance_(instance),
+        hooks_(std::move(hooks)),
+        monitor_(instance, search, budget, hooks_.stopped),
+        ended_(planner.begin(budget)) {}
+
+  [[nodiscard]] bool ended() const { return ended_.has_value(); }
+  void step() {
+    const std::optional<Status> reached = limit();
+    ended_ = reached ? planner_.stopped(*reached) : planner_.step();
+  }
+  /// The solution of a solve that has ended.
+  [[nodiscard]] Solution solution() {
+    if (*ended_ == Status::invalid_start) return {*ended_, Configurations(instance_.space.dimension())};
+    if (*ended_ == Status::invalid_goal) return {*ended_, path_of_start(instance_)};
+    return planner_.solution(*ended_);
+  }
+
+ private:
+  std::optional<Status> limit() {
+    if (monitor_.reached(planner_.draws())) return Status::budget_spent;
+    if (hooks_.interrupted && hooks_.interrupted()) return Status::interrupted;
+    return hooks_.prepare ? hooks_.prepare() : std::nullopt;
+  }
+
+  Planner& planner_;
+  const Instance& instance_;
+  StepHooks hooks_;
+  BudgetMonitor monitor_;
+  std::optional<Status> ended_;
+};
+
+/// Runs the planning loop to its end.
 inline Solution run_steps(Planner& planner, const Instance& instance, const Search& search, const Budget& budget,
                           const StepHooks& hooks = {}) {
-  BudgetMonitor monitor(instance, search, budget, hooks.stopped);
-  const auto limit = [&]() -> std::optional<Status> {
-    if (monitor.reached(planner.draws())) return Status::budget_spent;
-    if (hooks.interrupted && hooks.interrupted()) return Status::interrupted;
-    if (!hooks.prepare) return std::nullopt;
-    const bool pauses = hooks.prepare();
-    // The run may have ended while other levels were searched.
-    if (hooks.interrupted && hooks.interrupted()) return Status::interrupted;
-    return pauses ? std::optional(Status::paused) : std::nullopt;
-  };
-  std::optional<Status> ended = planner.begin(budget);
-  while (!ended) {
-    const std::optional<Status> reached = limit();
-    ended = reached ? planner.stopped(*reached) : planner.step();
-  }
-  if (*ended == Status::invalid_start) return {*ended, Configurations(instance.space.dimension())};
-  if (*ended == Status::invalid_goal) return {*ended, path_of_start(instance)};
-  return planner.solution(*ended);
+  StepLoop loop(planner, instance, search, budget, hooks);
+  while (!loop.ended()) loop.step();
+  return loop.solution();
 }
 
 /// Draws a proposal into `q` and records it together with the current distribution. Its result is recorded after the

@@ -124,7 +124,7 @@ class Planner {
   /// Whether the next step may draw a proposal: then the limit of proposals applies.
   [[nodiscard]] virtual bool draws() const { return true; }
   /// Takes one step: draws one proposal at most, extends towards it, and reports the outcome to the guidance.
-  /// \return the status if the solve ends; none if it goes on
+  /// \return the status if the solve ends; none if it continues
   virtual std::optional<Status> step() = 0;
   /// Called instead of a step when a limit is reached.
   /// \return `limit` or another status if the solve ends; none if it continues without proposals: then `draws` returns
@@ -147,8 +147,9 @@ struct PlannerCommon {
   double uniform = 0.05;    ///< share of uniform proposals of a guided level
   double goal_bias = 0.05;  ///< share of proposals that are the goal
   double step = 0.0;        ///< longest extension of a tree, in metres in the metric; 0: the planner has none
-  /// Limit of the work of guided proposals and of the levels below, per work of unguided proposals, beyond an initial
-  /// grant and the work that progress earns; 0: no limit.
+  /// More than 1, at the root: limit of the work of a guided run, per work of the same planner without guides. At most
+  /// 1, or below the root: limit of the work of guided proposals and of the levels below, per work of unguided
+  /// proposals, beyond an initial grant and the work that progress earns. 0: no limit.
   double bound = 0.8;
 };
 

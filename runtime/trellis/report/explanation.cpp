@@ -163,6 +163,11 @@ std::string marked(const LevelExplanation& level, std::string_view option, doubl
   return count(value) + (default_of(*level.kind, option) == OptionValue(value) ? default_mark : "");
 }
 
+/// Whether the planner runs beside the guided search, without guides.
+bool has_companion(const LevelExplanation& level) {
+  return level.number == 0 && level.guide && level.common.bound > 1.0;
+}
+
 std::string proposals_text(const LevelExplanation& level) {
   if (!level.guide && level.kind->graph) return "none: without a guide the search is exact";
   const double goal = level.common.goal_bias;
@@ -174,7 +179,7 @@ std::string proposals_text(const LevelExplanation& level) {
   shares.push_back(percent(1.0 - goal - uniform) + " from h");
   std::vector<std::string> closed;
   if (!level.below.empty()) closed.emplace_back("the search below is unfinished");
-  if (level.common.bound > 0.0) closed.emplace_back("the bound is reached");
+  if (level.common.bound > 0.0 && !has_companion(level)) closed.emplace_back("the bound is reached");
   return fmt::format(
       "{}{}", fmt::join(shares, ", "),
       closed.empty() ? "" : fmt::format("; the share of h is uniform too while {}", fmt::join(closed, " or ")));
@@ -182,11 +187,19 @@ std::string proposals_text(const LevelExplanation& level) {
 
 std::string bound_text(const LevelExplanation& level) {
   if (level.common.bound <= 0.0) return "none (bound = 0): h draws its share whatever it costs";
+  if (has_companion(level)) {
+    return fmt::format(
+        "the run costs at most {} times the work of {} without guides on the same seed, and {:g}: it runs beside the "
+        "guided search; work is validity checks and proposals",
+        marked(level, "bound", level.common.bound), level.planner.name(), companion_constant);
+  }
   return fmt::format(
       "proposals from h{} cost at most {} times the work of the other proposals, beyond a grant of {:.0f} and what "
       "progress along a guiding path earns; work is validity checks and proposals",
       level.below.empty() ? "" : " and the searches of " + levels_text(level.below),
-      marked(level, "bound", level.common.bound), level.grant);
+      level.common.bound > 1.0 ? fmt::format("0.8 (bound - 1) = {:g}", 0.8 * (level.common.bound - 1.0))
+                               : marked(level, "bound", level.common.bound),
+      level.grant);
 }
 
 std::string limits_text(const LevelExplanation& level) {

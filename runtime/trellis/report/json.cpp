@@ -285,6 +285,21 @@ Json improvements_json(const std::vector<Improvement>& improvements) {
   return out;
 }
 
+/// The shares of the guided search and of the unguided planner beside it.
+Json bounded_json(const RunRecord& run) {
+  const BoundedLoss& law = run.bounded;
+  if (law.bound == 0.0) return nullptr;
+  return {{"bound", law.bound},
+          {"constant", law.constant},
+          {"largest_step", law.largest_step},
+          {"guided_work", law.guided},
+          {"unguided_work", law.unguided},
+          {"unguided_proposals", law.unguided_proposals},
+          {"won", !run.solved        ? "none"
+                  : law.unguided_won ? "unguided"
+                                     : "guided"}};
+}
+
 Json run_json(const RunResult& run) {
   Json levels = Json::array();
   for (const auto& level : run.levels) levels.push_back(level_json(level));
@@ -305,6 +320,7 @@ Json run_json(const RunResult& run) {
                {"path_checks", run.run.path_checks},
                {"path_cpu_s", number(run.run.path_seconds)},
                {"refuted_paths", run.run.refuted_paths},
+               {"bounded_loss", bounded_json(run.run)},
                {"improvements", improvements_json(run.run.improvements)},
                {"levels", std::move(levels)}};
   if (run.run.trajectory.dt > 0.0) json["trajectory"] = trajectory_json(run.run.trajectory);

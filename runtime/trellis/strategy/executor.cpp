@@ -3,14 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <trellis/instance/half_turns.hpp>
 #include <trellis/instance/path_fault.hpp>
@@ -68,25 +71,21 @@ class PathCheck {
   PathCheck(const Problem& problem, const Instance& root)
       : space_(root.space), validity_(root.validity), tolerance_(certificate_tolerance(problem)) {}
 
-  /// Certifies a path and remembers its clearance.
+  /// Certifies a path and remembers its clearance. Returns the place where it is refuted.
   [[nodiscard]] std::optional<InvalidPlace> refuted(const Configurations& path) {
-    const auto begin = Clock::now();
-    const double cpu_begin = thread_seconds();
-    PathCertificate certificate = certify(space_, *validity_, path, tolerance_);
-    checks_ += certificate.checks;
-    clearance_ = certificate.clearance;
-    time_ += Clock::now() - begin;
-    cpu_seconds_ += thread_seconds() - cpu_begin;
-    return std::move(certificate.refuted);
+    const Timed timed(*this);
+    return refute(path);
   }
   /// The path with the midpoints of its half turns, so that it says their directions.
   [[nodiscard]] Configurations divided(const Configurations& path) {
-    const auto begin = Clock::now();
-    const double cpu_begin = thread_seconds();
-    Configurations result = with_half_turns_divided(space_, *validity_, path, tolerance_);
-    time_ += Clock::now() - begin;
-    cpu_seconds_ += thread_seconds() - cpu_begin;
-    return result;
+    const Timed timed(*this);
+    return with_half_turns_divided(space_, *validity_, path, tolerance_);
+  }
+  /// Both, for less time of clocks: divides the path, then certifies it.
+  [[nodiscard]] std::optional<InvalidPlace> divide_and_refute(Configurations& path) {
+    const Timed timed(*this);
+    path = with_half_turns_divided(space_, *validity_, path, tolerance_);
+    return refute(path);
   }
   [[nodiscard]] const std::shared_ptr<Validity>& validity() const { return validity_; }
   [[nodiscard]] double tolerance() const { return tolerance_; }
@@ -97,6 +96,30 @@ class PathCheck {
   [[nodiscard]] std::uint64_t checks() const { return checks_; }
 
  private:
+  /// Adds the time of its life.
+  class Timed {
+   public:
+    explicit Timed(PathCheck& check) : check_(check), begin_(Clock::now()), cpu_begin_(thread_seconds()) {}
+    Timed(const Timed&) = delete;
+    Timed& operator=(const Timed&) = delete;
+    ~Timed() {
+      check_.time_ += Clock::now() - begin_;
+      check_.cpu_seconds_ += thread_seconds() - cpu_begin_;
+    }
+
+   private:
+    PathCheck& check_;
+    Clock::time_point begin_;
+    double cpu_begin_;
+  };
+
+  [[nodiscard]] std::optional<InvalidPlace> refute(const Configurations& path) {
+    PathCertificate certificate = certify(space_, *validity_, path, tolerance_);
+    checks_ += certificate.checks;
+    clearance_ = certificate.clearance;
+    return std::move(certificate.refuted);
+  }
+
   const Space space_;
   const std::shared_ptr<Validity> validity_;
   const double tolerance_;
@@ -104,6 +127,104 @@ class PathCheck {
   double cpu_seconds_ = 0.0;
   double clearance_ = 0.0;
   std::uint64_t checks_ = 0;
+};
+
+/// The search of the root level for a path that can be certified, one step at a time.
+class RootSearch {
+ public:
+  RootSearch(Run& run, const StrategySpec& strategy, const Problem& problem)
+      : run_(run),
+        problem_(problem),
+        root_(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr),
+        check_path_(problem, root_.instance()) {}
+
+  void step() {
+    if (!std::exchange(begun_, true)) root_.begin_root_solve();
+    if (!root_.step_root_solve()) return;
+    status_ = root_.solution().status;
+    if (!root_.found()) {
+      end();
+      return;
+    }
+    // States of a motion model are too near to each other to be half a turn apart.
+    path_ = root_.solution().path;
+    const auto place = problem_.motion_model ? check_path_.refuted(path_) : check_path_.divide_and_refute(path_);
+    certified_ = !place;
+    // From the fifth refutation on the root certifies its motions, so that few more paths are refuted.
+    constexpr std::uint64_t most_refuted = 1000;
+    if (certified_ || ++refuted_paths_ >= most_refuted) {
+      if (!certified_) status_ = Status::budget_spent;
+      end();
+      return;
+    }
+    root_.refute(place->invalid, check_path_.validity(), check_path_.tolerance());
+    root_.begin_root_solve();
+  }
+
+  [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] bool certified() const { return certified_; }
+  /// The status with which it ended.
+  [[nodiscard]] Status status() const { return status_; }
+  /// The last path found.
+  [[nodiscard]] const Configurations& path() const { return path_; }
+  [[nodiscard]] std::uint64_t refuted_paths() const { return refuted_paths_; }
+  [[nodiscard]] Level& level() { return root_; }
+  [[nodiscard]] PathCheck& check_path() { return check_path_; }
+
+ private:
+  void end() {
+    run_.clock.switch_to(nullptr);
+    ended_ = true;
+  }
+
+  Run& run_;
+  const Problem& problem_;
+  Level root_;
+  PathCheck check_path_;
+  Status status_ = Status::interrupted;
+  Configurations path_;
+  std::uint64_t refuted_paths_ = 0;
+  bool begun_ = false;
+  bool certified_ = false;
+  bool ended_ = false;
+};
+
+/// The planner of a guided strategy without its guides, on the stream that it has when it runs alone: its proposals and
+/// checks are those of the unguided strategy. It runs beside the guided search.
+class Companion {
+ public:
+  Companion(const StrategySpec& strategy, const Problem& problem, const Run& beside)
+      : search_(begun(run_, beside), StrategySpec(strategy.planner()), problem) {}
+
+  /// Takes steps until its work reaches `work`, or until it ends.
+  /// \param clock  of the guided search, which stops meanwhile
+  void keep_up(double work, Clock& clock) {
+    if (search_.ended() || run_.work() >= work) return;
+    double* guided = clock.switch_to(nullptr);
+    if (account_ != nullptr) run_.clock.switch_to(account_);
+    while (!search_.ended() && run_.work() < work) search_.step();
+    account_ = run_.clock.switch_to(nullptr);
+    clock.switch_to(guided);
+  }
+  [[nodiscard]] double work() const { return run_.work(); }
+  [[nodiscard]] RootSearch& search() { return search_; }
+  [[nodiscard]] Run& run() { return run_; }
+
+ private:
+  static Run& begun(Run& run, const Run& beside) {
+    run.problem = beside.problem;
+    run.seed = beside.seed;
+    run.seeded = true;
+    run.companion = true;
+    run.interrupted = beside.interrupted;
+    run.watch = beside.watch;
+    run.cpu_begin = beside.cpu_begin;
+    return run;
+  }
+
+  Run run_;
+  RootSearch search_;
+  double* account_ = nullptr;  ///< of its clock, while the guided search runs
 };
 
 /// A run, from its levels to its record.
@@ -121,30 +242,31 @@ class Running {
     run_.seeded = true;
     run_.interrupted = options.interrupted;
     run_.watch = options.watch;
-    root_.emplace(run_, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr);
+    root_.emplace(run_, strategy, problem);
     run_.clock.switch_to(&setup_);
-    if (strategy.guide() != nullptr) root_->guide_by(*strategy.guide());
-    check_path_.emplace(problem, root_->instance());
+    if (strategy.guide() == nullptr) return;
+    bound_ = root_->level().common().bound;
+    if (bound_ > 1.0) {
+      root_->level().rely_on_companion();
+      companion_.emplace(strategy, problem, run_);
+      run_.before_step = [this] { return companion_ends_run(); };
+      for (RootSearch* search : {&*root_, &companion_->search()}) {
+        Run& run = search == &*root_ ? run_ : companion_->run();
+        search->level().guidance().report_paths([this, &run](double length) { note_improvement(run, length); });
+      }
+    }
+    root_->level().guide_by(*strategy.guide());
   }
 
-  /// Searches until a path is certified, or until the root's search ends without one.
+  /// Searches until a path is certified, or until no search is left.
   void search() {
-    solution_ = &root_->solve();
-    // From the fifth refutation on the root certifies its motions, so that few more paths are refuted.
-    constexpr std::uint64_t most_refuted = 1000;
-    while (solution_->solved() && refuted_paths_ < most_refuted) {
-      // States of a motion model are too near to each other to be half a turn apart.
-      path_ = problem_.motion_model ? solution_->path : check_path_->divided(solution_->path);
-      const auto place = check_path_->refuted(path_);
-      if (!place) {
-        certified_ = true;
-        break;
-      }
-      ++refuted_paths_;
-      root_->refute(place->invalid, check_path_->validity(), check_path_->tolerance());
-      solution_ = &root_->solve();
+    while (!root_->ended()) root_->step();
+    note_step();
+    if (companion_ && !root_->certified() && !interrupted()) {
+      // What the unguided planner finds, a guided run finds too.
+      companion_->keep_up(std::numeric_limits<double>::infinity(), run_.clock);
+      companion_decides_ = root_->status() == Status::interrupted || companion_->search().certified();
     }
-    run_.clock.switch_to(nullptr);
     ended_ = true;
     note_times();
   }
@@ -152,74 +274,147 @@ class Running {
   /// The record so far. Once the search has ended, callable once.
   RunRecord record() {
     RunRecord record;
-    record.solved = record.certified = certified_;
-    record.status = !ended_                              ? Status::interrupted
-                    : solution_->solved() && !certified_ ? Status::budget_spent
-                                                         : solution_->status;
+    RootSearch& decisive = companion_decides_ ? companion_->search() : *root_;
+    record.solved = record.certified = decisive.certified();
+    record.status = ended_ ? decisive.status() : Status::interrupted;
     record.seconds = seconds_;
     record.cpu_seconds = cpu_seconds_;
-    for (Level* level : run_.levels) {
+    for (RootSearch* search : searches()) record.refuted_paths += search->refuted_paths();
+    for (Level* level : all_levels()) {
       record.validity_checks += level->instance().checks.validity;
       record.motion_checks += level->instance().checks.motion;
     }
-    if (record.solved) add_path(record);
-    record.refuted_paths = refuted_paths_;
-    record.path_checks = check_path_->checks();
-    record.path_seconds = check_path_->cpu_seconds();
+    if (record.solved) add_path(record, decisive);
+    for (RootSearch* search : searches()) {
+      record.path_checks += search->check_path().checks();
+      record.path_seconds += search->check_path().cpu_seconds();
+    }
     record.turns = run_.turns;
     if (!ended_ && run_.active_level != nullptr) run_.active_level->add_open_turn(record.turns);
+    if (companion_) add_companion(record);
+    const Level* companion = companion_ ? &companion_->search().level() : nullptr;
     for (Level* level : run_.levels) {
-      record.levels.push_back(ended_ ? level->take_record(options_.lift) : level->record_so_far(options_.lift));
+      const Level* merged = level == &root_->level() ? companion : nullptr;
+      record.levels.push_back(ended_ ? level->take_record(options_.lift, merged)
+                                     : level->record_so_far(options_.lift, merged));
     }
     add_spent_below(record.levels);
     // The root's solution is the reported path.
-    if (record.solved) record.levels.front().solution.path = record.path;
-    record.improvements = run_.improvements;
+    LevelRecord& root = record.levels.front();
+    if (companion_decides_) root.solution = companion_->search().level().solution();
+    if (record.solved) root.solution.path = record.path;
+    record.improvements = companion_decides_ ? companion_->run().improvements : run_.improvements;
     return record;
   }
-
   [[nodiscard]] const LevelRecord& level(std::size_t number) const { return run_.levels.at(number)->record(); }
+  [[nodiscard]] const LevelRecord* companion() { return companion_ ? &companion_->search().level().record() : nullptr; }
 
   /// Called by the thread of the run before and after it waits: waiting counts for no level.
   void stopped() {
     note_times();
     stopped_at_ = std::chrono::steady_clock::now();
     account_ = run_.clock.switch_to(nullptr);
+    if (companion_) companion_account_ = companion_->run().clock.switch_to(nullptr);
   }
   void continued() {
+    const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - stopped_at_).count();
     run_.clock.switch_to(account_);
-    run_.stopped += std::chrono::duration<double>(std::chrono::steady_clock::now() - stopped_at_).count();
+    run_.stopped += waited;
+    if (!companion_) return;
+    companion_->run().clock.switch_to(companion_account_);
+    companion_->run().stopped += waited;
   }
 
  private:
   /// Called by the thread of the run: its CPU time is that thread's.
   void note_times() {
-    const auto elapsed = std::chrono::steady_clock::now() - begin_ - check_path_->time();
+    const auto elapsed = std::chrono::steady_clock::now() - begin_;
     seconds_ = std::chrono::duration<double>(elapsed).count() - run_.stopped;
-    cpu_seconds_ = thread_seconds() - run_.cpu_begin - check_path_->cpu_seconds();
+    cpu_seconds_ = thread_seconds() - run_.cpu_begin;
+    for (RootSearch* search : searches()) {
+      seconds_ -= std::chrono::duration<double>(search->check_path().time()).count();
+      cpu_seconds_ -= search->check_path().cpu_seconds();
+    }
   }
 
-  void add_path(RunRecord& record) {
-    record.path = path_;
-    record.trajectory = solution_->trajectory;
+  [[nodiscard]] bool interrupted() const { return options_.interrupted && options_.interrupted(); }
+
+  /// Called before each step of the guided search: lets the companion catch up. Returns whether the run ends.
+  bool companion_ends_run() {
+    if (ending_) return true;
+    const double guided = run_.work();
+    companion_->keep_up((guided - companion_constant) / (bound_ - 1.0), run_.clock);
+    const RootSearch& other = companion_->search();
+    ending_ = other.ended() && (other.certified() || guided > (bound_ - 1.0) * companion_->work() + companion_constant);
+    // What the levels still do while they end counts with the step before.
+    if (!ending_) note_step();
+    return ending_;
+  }
+
+  /// Notes the work of the last step of the guided search.
+  void note_step() {
+    const double guided = run_.work();
+    largest_step_ = std::max(largest_step_, guided - guided_before_);
+    guided_before_ = guided;
+  }
+
+  std::vector<RootSearch*> searches() {
+    std::vector<RootSearch*> all = {&*root_};
+    if (companion_) all.push_back(&companion_->search());
+    return all;
+  }
+  std::vector<Level*> all_levels() {
+    std::vector<Level*> all = run_.levels;
+    if (companion_) all.insert(all.end(), companion_->run().levels.begin(), companion_->run().levels.end());
+    return all;
+  }
+
+  /// Records a path of one of the searches if it is shorter than its earlier ones.
+  void note_improvement(Run& run, double length) {
+    auto& improvements = run.improvements;
+    if (!improvements.empty() && !(length < improvements.back().length)) return;
+    std::uint64_t checks = 0;
+    for (Level* level : all_levels()) checks += level->instance().checks.validity;
+    improvements.push_back({checks, thread_seconds() - run_.cpu_begin, length});
+  }
+
+  void add_companion(RunRecord& record) {
+    record.bounded = {.bound = bound_,
+                      .constant = companion_constant,
+                      .largest_step = largest_step_,
+                      .guided = run_.work(),
+                      .unguided = companion_->work(),
+                      .unguided_won = companion_decides_ && record.solved,
+                      .unguided_proposals = companion_->search().level().record().search.proposals.size()};
+    const Search& own = root_->level().record().search;
+    const Search& other = companion_->search().level().record().search;
+    if (other.nodes.empty()) return;
+    const auto sum = [](std::size_t a, std::size_t b) { return static_cast<std::uint32_t>(a + b); };
+    record.turns.push_back({0, sum(own.proposals.size(), other.proposals.size()),
+                            sum(own.nodes.size(), other.nodes.size()), ended_, record.path});
+  }
+
+  void add_path(RunRecord& record, RootSearch& search) {
+    record.path = search.path();
+    record.trajectory = search.level().solution().trajectory;
     // Straight motions cannot shortcut a path with a motion model.
     if (options_.shortcut > 0 && !problem_.motion_model) {
-      Checks& checks = root_->instance().checks;
+      Checks& checks = search.level().instance().checks;
       const Checks planned = checks;
       Stream stream(run_.seed, "0", "shortcut");
-      const auto certified = [&](const Configurations& part) { return !check_path_->refuted(part); };
-      record.path =
-          check_path_->divided(shortcut(root_->instance(), record.path, options_.shortcut, stream, certified));
+      const auto certified = [&](const Configurations& part) { return !search.check_path().refuted(part); };
+      record.path = search.check_path().divided(
+          shortcut(search.level().instance(), record.path, options_.shortcut, stream, certified));
       // Its clearance, and a last look: parts of motions were certified one by one.
-      if (check_path_->refuted(record.path)) {
-        record.path = path_;
-        static_cast<void>(check_path_->refuted(record.path));
+      if (search.check_path().refuted(record.path)) {
+        record.path = search.path();
+        static_cast<void>(search.check_path().refuted(record.path));
       }
       record.shortcut_checks = checks.validity - planned.validity;
       checks = planned;
     }
     record.length = path_length(problem_.space, record.path);
-    record.clearance = check_path_->clearance();
+    record.clearance = search.check_path().clearance();
   }
 
   const Problem& problem_;
@@ -227,17 +422,19 @@ class Running {
   std::chrono::steady_clock::time_point begin_;
   Run run_;
   double setup_ = 0.0;
-  std::optional<Level> root_;
-  std::optional<PathCheck> check_path_;
-  const Solution* solution_ = nullptr;  ///< of the root, once it has ended a solve
-  Configurations path_;                 ///< the last one found
-  std::uint64_t refuted_paths_ = 0;
-  bool certified_ = false;
+  double bound_ = 0.0;
+  std::optional<RootSearch> root_;
+  std::optional<Companion> companion_;
+  double guided_before_ = 0.0;  ///< work of the guided search before its last step
+  double largest_step_ = 0.0;
+  bool ending_ = false;  ///< the companion has ended the run
+  bool companion_decides_ = false;
   bool ended_ = false;
   double seconds_ = 0.0;
   double cpu_seconds_ = 0.0;
   std::chrono::steady_clock::time_point stopped_at_;
   double* account_ = nullptr;  ///< of the clock, while the run is stopped
+  double* companion_account_ = nullptr;
 };
 
 }  // namespace
@@ -282,6 +479,7 @@ class Execution::Thread {
   }
   RunRecord record() { return running_->record(); }
   [[nodiscard]] const LevelRecord& level(std::size_t number) const { return running_->level(number); }
+  [[nodiscard]] const LevelRecord* companion() { return running_->companion(); }
 
  private:
   /// The life of the thread of the run.
@@ -337,5 +535,6 @@ Execution::~Execution() = default;
 bool Execution::advance(std::function<bool()> stop) { return thread_->advance(std::move(stop)); }
 RunRecord Execution::record() { return thread_->record(); }
 const LevelRecord& Execution::level(std::size_t number) const { return thread_->level(number); }
+const LevelRecord* Execution::companion() const { return thread_->companion(); }
 
 }  // namespace trellis

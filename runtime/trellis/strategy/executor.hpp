@@ -112,6 +112,22 @@ struct Turn {
   Configurations path;       ///< path of the solve that ended; empty if none ended or no path was found
 };
 
+/// The constant of bounded loss, in validity checks and proposals.
+inline constexpr double companion_constant = 500.0;
+
+/// The shares of a guided run in its work: validity checks and proposals. Bounded loss: guided + unguided <=
+/// bound * U + constant + largest_step, where U is the work of the same planner without guides on this seed, which is
+/// at least `unguided`.
+struct BoundedLoss {
+  double bound = 0.0;  ///< 0: the guided search ran alone
+  double constant = 0.0;
+  double largest_step = 0.0;             ///< of the guided search: work between two steps of its planners
+  double guided = 0.0;                   ///< of all levels
+  double unguided = 0.0;                 ///< of the planner that ran beside them without guides
+  bool unguided_won = false;             ///< it found the path
+  std::uint64_t unguided_proposals = 0;  ///< the last proposals of level 0
+};
+
 struct RunRecord {
   Status status = Status::untried;
   bool solved = false;
@@ -130,6 +146,7 @@ struct RunRecord {
   std::uint64_t refuted_paths = 0;  ///< paths found before `path` that could not be certified
   std::uint64_t path_checks = 0;    ///< configurations checked for certificates; the sums and times above exclude them
   double path_seconds = 0.0;        ///< CPU time of the thread for certificates; not in the times above
+  BoundedLoss bounded;
   std::vector<Improvement> improvements;  ///< the root's paths before shortcutting: the first one and each shorter one
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in chronological order
@@ -182,6 +199,8 @@ class Execution {
   RunRecord record();
   /// The samples of a level while the run is stopped, without a copy: its fields that `record` completes are missing.
   [[nodiscard]] const LevelRecord& level(std::size_t number) const;
+  /// The samples of the unguided planner that runs beside a guided search; nullptr: there is none. Its level is -1.
+  [[nodiscard]] const LevelRecord* companion() const;
 
  private:
   class Thread;

@@ -22,6 +22,14 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
 }
 
+double Run::work() const {
+  double sum = 0.0;
+  for (const Level* level : levels) {
+    sum += level->spent();
+  }
+  return sum;
+}
+
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
              const PlannerSpec& planner, std::shared_ptr<const Guide> lift)
     : run_(run),
@@ -35,7 +43,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   if (!kind_.graph) instance_->graph = nullptr;
   instance_->step = common_.step;
   check_planner(kind_, *instance_);
-  record_.level = static_cast<int>(run.levels.size());
+  record_.level = run.companion ? -1 : static_cast<int>(run.levels.size());
   record_.parent = parent != nullptr ? parent->record_.level : -1;
   record_.depth = parent != nullptr ? parent->record_.depth + 1 : 0;
   record_.key = std::move(key);
@@ -53,10 +61,13 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   run.levels.push_back(this);
 }
 
+double Level::own_work() const {
+  return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size());
+}
+
 double Level::work() const {
   const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
-  return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
-         below - guidance_.deducted();
+  return own_work() + below - guidance_.deducted();
 }
 
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
@@ -88,45 +99,69 @@ std::unique_ptr<Planner> Level::make_planner() {
   record_.search.sources = guidance_.sources();
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
-  PlannerContext context{*instance_, *h, Stream(run_.seed, record_.key, "proposals"), record_.search,
-                         guidance_.guided()};
+  PlannerContext context{*instance_, *h, Stream(run_.seed, record_.key, stream_), record_.search, guidance_.guided()};
   if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(context));
   return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(context));
 }
 
 Advance Level::solve_own(double proposals, const Slice& slice) {
+  begin_solve(proposals, slice);
+  while (!loop_->ended()) loop_->step();
+  return end_solve();
+}
+
+void Level::begin_root_solve() {
+  run_.clock.switch_to(&record_.search.seconds);
+  run_.active_level = this;
+  begin_solve(Budget::unlimited, {});
+}
+
+bool Level::step_root_solve() {
+  if (!loop_->ended()) loop_->step();
+  if (!loop_->ended()) return false;
+  static_cast<void>(end_solve());
+  return true;
+}
+
+void Level::begin_solve(double proposals, const Slice& slice) {
   if (!planner_) planner_ = make_planner();
-  const auto drawn = [&] { return static_cast<double>(record_.search.proposals.size()); };
+  const auto drawn = static_cast<double>(record_.search.proposals.size());
   // `proposals` limits all slices of a solve together.
-  const double begun = solve_begun_.value_or(drawn());
+  if (!solve_begun_) solve_begun_ = drawn;
   Budget budget = common_.budget;
-  budget.proposals = std::min(budget.proposals, begun + proposals);
-  const double whole = budget.proposals;
-  budget.proposals = std::min(whole, drawn() + slice.proposals);
+  whole_ = std::min(budget.proposals, *solve_begun_ + proposals);
+  budget.proposals = sliced_ = std::min(whole_, drawn + slice.proposals);
   // h is prepared before each step: this searches the levels below, which run this loop too.
-  searching_ = true;
-  Solution found = run_steps(*planner_, *instance_, record_.search, budget,
-                             {.interrupted = run_.interrupted,
-                              .prepare =
-                                  [this] {
-                                    guidance_.prepare();
-                                    return work_limit_ < Budget::unlimited && work() >= work_limit_;
-                                  },
-                              .stopped = &run_.stopped});
-  searching_ = false;
+  loop_.emplace(*planner_, *instance_, record_.search, budget,
+                StepHooks{.interrupted = run_.interrupted,
+                          .prepare = [this]() -> std::optional<Status> {
+                            if (run_.before_step && run_.before_step()) return Status::interrupted;
+                            guidance_.prepare();
+                            // The run may have ended while the levels below were searched.
+                            if (run_.interrupted && run_.interrupted()) return Status::interrupted;
+                            if (run_.before_step && run_.before_step()) return Status::interrupted;
+                            const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
+                            return pauses ? std::optional(Status::paused) : std::nullopt;
+                          },
+                          .stopped = &run_.stopped});
+}
+
+Advance Level::end_solve() {
+  Solution found = loop_->solution();
+  loop_.reset();
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;
   found_ = found.solved();
   if (found_) guidance_.found(path_length(instance_->space, found.path));
-  const bool sliced = paused || (drawn() >= budget.proposals && drawn() < whole);
+  const auto drawn = static_cast<double>(record_.search.proposals.size());
+  const bool sliced = paused || (drawn >= sliced_ && drawn < whole_);
   const Advance advance = found_                                           ? Advance::found
                           : sliced && found.status == Status::budget_spent ? Advance::unfinished
                                                                            : Advance::nothing;
-  solve_begun_.reset();
-  if (advance == Advance::unfinished) solve_begun_ = begun;
   if (advance == Advance::unfinished) {
     pause();
   } else {
+    solve_begun_.reset();
     ++record_.solves;
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);
@@ -189,13 +224,22 @@ void fit(Search& search) {
 
 }  // namespace
 
-void Level::complete(LevelRecord& record, bool lift) const {
+void Level::complete(LevelRecord& record, bool lift, const Level* companion) const {
   record.scene = instance_->scene;
   record.search.checks = instance_->checks;
+  if (companion != nullptr) {
+    const bool expands = record.search.expands;
+    absorb(companion->record_.search, record.search);
+    record.search.expands = expands;
+    record.search.checks.validity += companion->instance_->checks.validity;
+    record.search.checks.motion += companion->instance_->checks.motion;
+    record.search.seconds += companion->record_.search.seconds;
+  }
   const LevelGuidance::BothSpent spent = guidance_.spent();
   record.guided = guidance_.guided();
   record.guided_checks = record.guided ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
-  record.unguided_checks = instance_->checks.validity - std::min(record.guided_checks, instance_->checks.validity);
+  record.unguided_checks =
+      record.search.checks.validity - std::min(record.guided_checks, record.search.checks.validity);
   const auto& sources = record.search.proposal_sources;
   record.guided_proposals = static_cast<std::uint64_t>(
       std::count_if(sources.begin(), sources.end(), [](auto source) { return LevelGuidance::is_guided(source); }));
@@ -215,8 +259,8 @@ void Level::complete(LevelRecord& record, bool lift) const {
   }
 }
 
-LevelRecord Level::take_record(bool lift) {
-  complete(record_, lift);
+LevelRecord Level::take_record(bool lift, const Level* companion) {
+  complete(record_, lift, companion);
   fit(record_.search);
   std::string key = record_.key;
   LevelRecord taken = std::move(record_);
@@ -225,14 +269,14 @@ LevelRecord Level::take_record(bool lift) {
   return taken;
 }
 
-LevelRecord Level::record_so_far(bool lift) {
+LevelRecord Level::record_so_far(bool lift, const Level* companion) {
   LevelRecord record = record_;
-  if (searching_) {
+  if (loop_) {
     ++record.solves;
     if (!record.solution.solved()) record.solution = planner_->solution(Status::paused);
     if (!record.solution.solved()) record.solution.status = Status::interrupted;
   }
-  complete(record, lift);
+  complete(record, lift, companion);
   return record;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <trellis/guide/custom.hpp>
+#include <trellis/planner/loop.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/informed_path.hpp>
 #include <trellis/strategy/searched_guidance.hpp>
@@ -53,15 +54,21 @@ struct Run {
   double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
   RunShared shared;
+  bool companion = false;  ///< it runs beside another run: its levels have the number -1
+  /// Called before each step of each level. Returns whether the run ends.
+  std::function<bool()> before_step;
+
+  /// Validity checks and proposals of all levels.
+  [[nodiscard]] double work() const;
 };
 
 /// The guidance of a level's planner: goal bias, uniform sampling, the guide, and a path received from another space.
 ///
-/// Interleaves guided and unguided work, so that a guide costs little more than it saves (bounded loss). Work is the
-/// number of validity checks and proposals. The work of guided proposals and of all levels below is at most `bound`
-/// times the work of unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of
-/// the work below, a part of the checks that progress there required is deducted. If this limit is reached, or if the
-/// guide's space is still being searched, the planner draws unguided proposals.
+/// Below the root it divides the work between guided and unguided proposals. Work is the number of validity checks and
+/// proposals. The work of guided proposals and of all levels below is at most a share of the work of unguided
+/// proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of the work below, a part of
+/// the checks that progress there required is deducted. If this limit is reached, or if the guide's space is still
+/// being searched, the planner draws unguided proposals. At the root a companion does the unguided work.
 class LevelGuidance final : public Guidance {
  public:
   /// \param search  record of the level's planner; outlives this object
@@ -93,14 +100,15 @@ class LevelGuidance final : public Guidance {
     counted_ = own();
     const bool was_open = open_;
     open_ = true;
-    if (common_.bound > 0.0) {
+    const bool divides = common_.bound > 0.0 && !has_companion_;
+    if (divides) {
       const double below = guide_ != nullptr ? guide_->work() : 0.0;
-      left_ = grant() + earned() + common_.bound * spent_.unguided.work() - spent_.guided.work() - below;
+      left_ = grant() + earned() + guided_share() * spent_.unguided.work() - spent_.guided.work() - below;
       open_ = left_ > 0.0;
     }
     if (open_ && guide_ != nullptr) {
       Slice slice;
-      if (common_.bound > 0.0) slice.work = std::max(left_, least_slice);
+      if (divides) slice.work = std::max(left_, least_slice);
       if (slice_left_) slice.work = std::min(slice.work, slice_left_());
       open_ = guide_->prepare(slice) != Advance::unfinished;
       // A permanently refuted guide draws no more proposals.
@@ -179,6 +187,12 @@ class LevelGuidance final : public Guidance {
     return all;
   }
 
+  /// The unguided work of this level is that of a companion: the guide draws whenever it can.
+  void rely_on_companion() { has_companion_ = true; }
+  /// Work of guided proposals and of the levels below, per work of unguided proposals.
+  [[nodiscard]] double guided_share() const {
+    return common_.bound > 1.0 ? guided_rate * (common_.bound - 1.0) : common_.bound;
+  }
   /// Limits the work of the levels below in the current slice: they pause when `left` returns 0.
   void limit_slice(std::function<double()> left) { slice_left_ = std::move(left); }
   /// Work that the guide may spend initially.
@@ -206,6 +220,8 @@ class LevelGuidance final : public Guidance {
  private:
   enum class Part : std::uint8_t { goal, uniform, informed, guide };
   static constexpr double informed_share = 0.5;
+  /// Measured: with more, misleading paths cost more in the levels below the root.
+  static constexpr double guided_rate = 0.8;
   /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
   /// the minimum of any planner.
   static constexpr double grant_rate = 1.5;
@@ -292,6 +308,7 @@ class LevelGuidance final : public Guidance {
   double left_ = 0.0;      ///< work that the guide may still spend
   bool open_ = false;      ///< whether the guide may draw
   bool prepared_ = false;  ///< `prepare` was called for the next proposal
+  bool has_companion_ = false;
   Part drawn_ = Part::goal;
   std::uint64_t epoch_ = 0;  ///< number of changes of the shares
 };
@@ -347,8 +364,18 @@ class Level {
     advance(proposals, {});
     return record_.solution;
   }
+  /// A solve of the root, step by step: begins it, and takes a step of it.
+  void begin_root_solve();
+  /// \return whether the solve ended
+  bool step_root_solve();
   /// As `solve`, but within a slice. A search that the slice ends is unfinished; the next call continues it.
   Advance advance(double proposals, const Slice& slice);
+  /// Validity checks and proposals of this level.
+  [[nodiscard]] double own_work() const;
+  /// The same without proposals that its search has from other levels.
+  [[nodiscard]] double spent() const { return own_work() - absorbed_; }
+  /// Called when its search has received the proposals of a half.
+  void note_absorbed(std::size_t proposals) { absorbed_ += static_cast<double>(proposals); }
   /// Validity checks and proposals of this level and all below it, less what is deducted for progress.
   [[nodiscard]] double work() const;
   /// Replaces the instance by a new projection of the parent's. The search keeps its valid part.
@@ -364,11 +391,18 @@ class Level {
 
   /// Completes the record after the run and moves it out, except for its key.
   /// \param lift  see ExecuteOptions
-  LevelRecord take_record(bool lift);
+  /// \param companion  a level whose samples and checks are added; nullptr: none
+  LevelRecord take_record(bool lift, const Level* companion = nullptr);
   /// The record of a run that has not ended, completed. The run can continue.
-  LevelRecord record_so_far(bool lift);
+  LevelRecord record_so_far(bool lift, const Level* companion = nullptr);
   /// Adds the turn that has not ended, if the level has made something in it.
   void add_open_turn(std::vector<Turn>& turns) const;
+
+  /// Its proposals are those of a guided search beside a companion, which has the other random stream.
+  void rely_on_companion() {
+    guidance_.rely_on_companion();
+    stream_ = "guided proposals";
+  }
 
   /// Adds time spent for this level outside its solves, for the projection of its instance; seconds.
   void charge(double seconds) { record_.search.seconds += seconds; }
@@ -390,6 +424,9 @@ class Level {
 
  private:
   [[nodiscard]] Advance solve_own(double proposals, const Slice& slice);
+  /// A solve, step by step. `end_solve` may be called when the loop has ended.
+  void begin_solve(double proposals, const Slice& slice);
+  [[nodiscard]] Advance end_solve();
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
   /// Records a path of the root if it is shorter than the earlier ones.
   void note_improvement(double length);
@@ -398,7 +435,7 @@ class Level {
   void end_turn(Configurations path, bool solve_ended);
   [[nodiscard]] Turn turn(Configurations path, bool solve_ended) const;
   /// Completes a record of this level.
-  void complete(LevelRecord& record, bool lift) const;
+  void complete(LevelRecord& record, bool lift, const Level* companion) const;
   /// Lifts rows of this level's space to the root's space, through all levels between. Each lift draws from the fibre.
   [[nodiscard]] Configurations lifted(const Configurations& rows, const std::string& purpose) const;
   /// Whether all fibres between this level's space and the root's have known densities.
@@ -423,7 +460,11 @@ class Level {
   std::optional<double> solve_begun_;      ///< number of proposals when the unfinished solve began
   std::size_t noted_ = 0;                  ///< number of proposals and nodes when its last turn ended
   bool found_ = false;
-  bool searching_ = false;  ///< a solve has begun and not ended
+  double absorbed_ = 0.0;             ///< proposals that its search has from other levels
+  const char* stream_ = "proposals";  ///< purpose of the stream that h draws from
+  std::optional<StepLoop> loop_;      ///< of a solve that has begun and not ended
+  double whole_ = 0.0;                ///< limit of proposals of all slices of this solve
+  double sliced_ = 0.0;               ///< limit of proposals of this slice
 };
 
 }  // namespace trellis

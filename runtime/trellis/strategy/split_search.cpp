@@ -16,30 +16,29 @@
 
 namespace trellis {
 
-namespace {
-
-/// Appends a half's search to that of the whole, whose nodes, proposals and densities are those of its halves.
-void absorb(const Search& half, Search& whole) {
+void absorb(const Search& part, Search& whole) {
   const auto offset = static_cast<std::uint32_t>(whole.nodes.size());
   const auto moved = [offset](std::uint32_t row) { return row == no_node ? no_node : row + offset; };
-  if (!half.validated.empty() || !whole.validated.empty()) {
+  if (!part.validated.empty() || !whole.validated.empty()) {
     whole.validated.resize(whole.nodes.size(), 1);
-    whole.validated.insert(whole.validated.end(), half.validated.begin(), half.validated.end());
+    whole.validated.insert(whole.validated.end(), part.validated.begin(), part.validated.end());
   }
-  for (std::size_t i = 0; i < half.nodes.size(); ++i) whole.nodes.push(half.nodes[i]);
+  for (std::size_t i = 0; i < part.nodes.size(); ++i) whole.nodes.push(part.nodes[i]);
   if (!whole.validated.empty()) whole.validated.resize(whole.nodes.size(), 1);
-  for (const auto parent : half.parents) whole.parents.push_back(moved(parent));
-  for (std::size_t i = 0; i < half.proposals.size(); ++i) {
-    whole.proposals.push(half.proposals[i]);
-    whole.fates.push_back(half.fates[i]);
-    whole.near.push_back(moved(half.near[i]));
-    whole.added.push_back(moved(half.added[i]));
-    whole.proposal_sources.push_back(half.proposal_sources[i]);
+  for (const auto parent : part.parents) whole.parents.push_back(moved(parent));
+  for (std::size_t i = 0; i < part.proposals.size(); ++i) {
+    whole.proposals.push(part.proposals[i]);
+    whole.fates.push_back(part.fates[i]);
+    whole.near.push_back(moved(part.near[i]));
+    whole.added.push_back(moved(part.added[i]));
+    whole.proposal_sources.push_back(part.proposal_sources[i]);
   }
-  for (const auto& [a, b] : half.edges) whole.edges.push_back({moved(a), moved(b)});
-  whole.density.append(half.density);
-  whole.expands = whole.expands && half.expands;
+  for (const auto& [a, b] : part.edges) whole.edges.push_back({moved(a), moved(b)});
+  whole.density.append(part.density);
+  whole.expands = whole.expands && part.expands;
 }
+
+namespace {
 
 /// Appends the trajectory of the second half, which starts at the end of the first.
 void append(const Trajectory& half, Trajectory& whole) {
@@ -269,6 +268,7 @@ class SplitSearch final : public Planner {
       level.limit(allowed);
       const Solution& found = level.solve();
       absorb(level.record().search, context_.search);
+      level_.note_absorbed(level.record().search.proposals.size());
       halves_.validity += level.instance().checks.validity;
       seconds_ += level.record().search.seconds;
       if (!found.solved()) return {};

@@ -1,0 +1,44 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- Guides that mislead, with the default bound and with bound = 2, by which a run costs at most twice what its planner
+-- costs alone on that seed, and 500 checks. See docs/language.md, "What happens at each level".
+
+local open = problem {
+  name = "open",
+  world = world { bounds = { 0, 0, 10, 10 } },
+  robot = robot.rectangle(1, 0.2),
+  start = { 1, 1, 0 }, goal = { 9, 9, 1 },
+}
+
+-- A path of valid motion near the start that leads nowhere.
+local zigzag = guiding_space {
+  name = "zigzag",
+  space = {},
+  heuristic = function(_, instance)
+    local start = instance.start
+    return function(random)
+      return start[1] + random(), start[2] + random(), start[3] + 0.1 * random()
+    end
+  end,
+}
+
+local function sum(n)
+  local parts = shrink(0.5)
+  for _ = 2, n do parts = parts + shrink(0.5) end
+  return parts
+end
+
+local strategies = { rrt = rrt {} }
+for _, n in ipairs { 1, 5, 20 } do
+  strategies["shrink x " .. n] = sum(n) >> rrt {}
+  strategies["shrink x " .. n .. ", bound = 2"] = sum(n) >> rrt { bound = 2 }
+end
+strategies["zigzag"] = zigzag >> rrt {}
+strategies["zigzag, bound = 2"] = zigzag >> rrt { bound = 2 }
+strategies["skeleton >> shrink"] = skeleton() >> shrink(0.5) >> rrt {}
+strategies["skeleton >> shrink, bound = 2"] = skeleton() >> shrink(0.5) >> rrt { bound = 2 }
+
+return experiment {
+  problems = { open, scenes.simple_passage(), scenes.cup() },
+  strategies = strategies,
+  seeds = 20,
+}
