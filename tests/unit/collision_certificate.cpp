@@ -310,6 +310,29 @@ TEST_CASE("a motion along an obstacle keeps its gap", "[collision][certificate]"
   CHECK(moving.gap(wall).throughout == Approx(1e-3).epsilon(1e-9));
 }
 
+TEST_CASE("a motion in space that stays close to contact is certified with a bound of its clearance",
+          "[collision][certificate][space]") {
+  const World3 world({{0, 0, 0}, {4, 4, 4}}, {{"plate", {Cuboid{{4, 4, 1}}, {{2, 2, 0.5}, {}}}}});
+  const Robot3 bodies[] = {Robot3("ball", {{Sphere{0.2}, {}}}), Robot3("box", {{Cuboid{{0.4, 0.4, 0.4}}, {}}})};
+  for (const Robot3& robot : bodies) {
+    const auto scene = std::make_shared<const SpatialScene>(world, robot);
+    const Space space = scene->default_space(1.0);
+    const auto checker = make_checker("fcl", scene, space, resolution);
+    for (const double gap : {1e-3, 1e-4, 1e-5}) {
+      const double height = 1.2 + gap;
+      const Configuration a = {1, 1, height, 0, 0, 0, 1}, b = {1.1, 1.05, height, 0, 0, 0, 1};
+      Certificate certificate{tolerance};
+      checker->certify(a, b, certificate);
+      CAPTURE(robot.name(), gap, certificate.checks);
+      REQUIRE(certificate.valid());
+      CHECK(certificate.clearance <= gap);
+      CHECK(certificate.clearance > 0.3 * gap);
+      // Not divided down to the tolerance.
+      CHECK(certificate.checks < 100000);
+    }
+  }
+}
+
 TEST_CASE("certificates of bodies in space hold at all configurations", "[collision][certificate][space]") {
   const World3 world({{0, 0, 0}, {4, 4, 4}},
                      {{"plate", {Cuboid{{0.02, 3, 4}}, {{2, 1.5, 2}, rotation_of({0, 0, 0.2})}}},

@@ -10,6 +10,8 @@ namespace trellis {
 
 namespace {
 
+/// The same where distances are inexact.
+constexpr double coarse_share = 0.5;
 /// So many configurations decide a motion, or it is refuted.
 constexpr std::uint64_t most_checks = std::uint64_t{1} << 21U;
 
@@ -41,6 +43,8 @@ void add_motion(Certificate& certificate, MotionClearance& motion, double displa
   divide(intervals, from, 1.0, displacement, first);
   const std::uint64_t limit = certificate.checks + most_checks;
   const auto keep = [&] { return certified_share * certificate.nearest; };
+  // Whether the distance that came last is inexact.
+  bool coarse = false;
   const auto refute = [&](double at) { certificate.refuted_at = at; };
   while (!intervals.empty()) {
     next.clear();
@@ -62,7 +66,8 @@ void add_motion(Certificate& certificate, MotionClearance& motion, double displa
         const auto [middle, half] = batch[i];
         // A distance costs as much as many configurations that `apart` decides: it is computed where the interval is so
         // short that it decides.
-        const double decisive = std::max((1.0 - certified_share) * certificate.nearest, certificate.tolerance);
+        const double share = coarse ? coarse_share : certified_share;
+        const double decisive = std::max((1.0 - share) * certificate.nearest, certificate.tolerance);
         if (i != sure_to_measure && std::isfinite(decisive) && half * displacement > decisive) {
           next.push_back({middle - 0.5 * half, 0.5 * half});
           next.push_back({middle + 0.5 * half, 0.5 * half});
@@ -71,7 +76,10 @@ void add_motion(Certificate& certificate, MotionClearance& motion, double displa
         const auto near = motion.near(middle, half, certificate.nearest);
         if (near.distance <= 0.0 || certificate.checks > limit) return refute(middle);
         certificate.nearest = std::min(certificate.nearest, near.distance);
-        if (near.sure >= keep()) {
+        coarse = near.inexact;
+        // Shorter intervals show at most twice as much about this configuration.
+        const bool enough = coarse && near.sure > 0.0 && near.sure >= half * displacement;
+        if (near.sure >= keep() || enough) {
           certificate.clearance = std::min(certificate.clearance, near.sure);
           continue;
         }

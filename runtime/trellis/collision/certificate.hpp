@@ -12,8 +12,8 @@ namespace trellis {
 /// the boundary, the bodies of self-collision pairs) is greater than 0. Checker::certify adds motions to it.
 ///
 /// A motion is covered by intervals. On each, the distance at its middle is greater than the largest displacement of
-/// the robot's points from there to the interval's ends. Where that cannot be shown for an interval with a displacement
-/// of at most `tolerance`, the motion is refuted.
+/// the robot's points from there to the interval's ends, or a direction separates the robot throughout. Where that
+/// cannot be shown for an interval with a displacement of at most `tolerance`, the motion is refuted.
 struct Certificate {
   /// In metres, > 0: intervals are not divided further once the displacement from their middle to their ends is at most
   /// this.
@@ -22,7 +22,7 @@ struct Certificate {
   /// first. The least distance on the motions is at most this.
   double nearest = std::numeric_limits<double>::infinity();
   /// A lower bound, in metres, on the distance at all configurations of the motions. At least nine tenths of `nearest`
-  /// unless the motions are closer to contact than ten times the tolerance.
+  /// unless the motions are closer to contact than ten times the tolerance, or distances there are inexact (Near).
   double clearance = std::numeric_limits<double>::infinity();
   std::uint64_t checks = 0;  ///< configurations that were checked
   /// The parameter on [0, 1], on the last motion added, of a configuration in contact, or too close to contact to
@@ -36,8 +36,8 @@ struct Certificate {
 /// The default of a certificate's tolerance, as a share of the resolution.
 inline constexpr double certificate_share = 1e-6;
 
-/// The bound that is certified is at least this share of the least distance found, so that few intervals are divided for
-/// it alone.
+/// The bound that is certified is at least this share of the least distance found, so that few intervals are divided
+/// for it alone.
 inline constexpr double certified_share = 0.9;
 
 /// The distances of a robot on one motion. Displacements are those of the robot's points on a part of the motion: they
@@ -59,6 +59,7 @@ class MotionClearance {
   struct Near {
     double distance = 0.0;  ///< metres; of several, the least; 0 in contact
     double sure = 0.0;      ///< the least distance less the displacement on `half` of the motion; may be negative
+    bool inexact = false;   ///< the distance is computed with a larger error than a tenth of it
   };
   /// Returns the distance at a parameter. Distances of at least `at_most` plus the displacement may count as that.
   [[nodiscard]] virtual Near near(double share, double half, double at_most) = 0;

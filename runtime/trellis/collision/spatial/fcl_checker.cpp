@@ -425,9 +425,18 @@ class SpatialFclChecker final : public Checker {
       const double reach = limit * (1.0 + 2.0 * relative) + 2.0 * absolute;
       const double found = checker_.obstacle_distance(pose, reach);
       if (found >= reach) return {std::min(limit, at_most), std::min(limit - displacement, at_most)};
-      double sure = std::min(found * (1.0 - relative) - absolute, margin) - displacement;
-      if (sure <= 0.0 && displacement < margin && certainly_apart(pose, displacement)) sure = checker_.slack_;
-      return {std::min(std::max(found, checker_.slack_), at_most), std::min(sure, at_most)};
+      const double certain = std::min(found * (1.0 - relative) - absolute, margin);
+      const bool inexact = certain < certified_share * std::min(found, margin);
+      double sure = certain - displacement;
+      // Close to contact inflated shapes show more than such a distance does.
+      for (const double share : {0.5, 0.1, 0.0}) {
+        const double inflated = share * std::max(std::min(found, margin) - displacement, 0.0);
+        if (sure > inflated || displacement >= margin) break;
+        if (!certainly_apart(pose, displacement + inflated)) continue;
+        sure = std::max(inflated, checker_.slack_);
+        break;
+      }
+      return {std::min(std::max(found, checker_.slack_), at_most), std::min(sure, at_most), inexact};
     }
 
    private:
