@@ -375,7 +375,7 @@ std::int64_t PathGuide::another(const Solution* found) {
   if (path_settings_.paths <= 1) return 0;
   if (std::exchange(complete_, false)) paths_.clear();
   if (found != nullptr) {
-    // A search whose paths have to be separated may drop goals near these paths.
+    // A search for separated paths may drop goals near these paths.
     if (paths_.empty()) goals_ = sub_->goals;
     paths_.push_back(found->path);
     const bool more = static_cast<std::int64_t>(paths_.size()) < path_settings_.paths;
