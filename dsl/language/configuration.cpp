@@ -14,6 +14,12 @@ namespace trellis::dsl {
 using lua::Stack;
 using lua::Value;
 
+std::string axis_names(const Space& space) {
+  std::string names;
+  for (const Axis& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
+  return names;
+}
+
 std::string coordinates_of(View q) { return fmt::format("({:g})", fmt::join(q, ", ")); }
 
 void push_numbers(Stack& stack, View numbers) {
@@ -100,10 +106,33 @@ void push_space(Stack& stack, const Space& space) {
 Configuration read_configuration(Value value, const Space& space, const std::string& what) {
   Configuration q = read_numbers(value, what);
   if (q.size() == space.dimension()) return q;
-  std::string names;
-  for (const Axis& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
-  throw Error(
-      fmt::format("{} must be a configuration of {} numbers ({}), got {}", what, space.dimension(), names, q.size()));
+  throw Error(fmt::format("{} must be a configuration of {} numbers ({}), got {}", what, space.dimension(),
+                          axis_names(space), q.size()));
+}
+
+void read_coordinates(const Stack& stack, int first, int count, const Space& space, MutableView out,
+                      const std::string& what) {
+  if (count == 1 && stack[first].type() == lua::Type::table) {
+    const Configuration q = read_configuration(stack[first], space, what);
+    std::copy(q.begin(), q.end(), out.begin());
+    return;
+  }
+  bool fits = static_cast<std::size_t>(count) == space.dimension();
+  for (int i = 0; fits && i < count; ++i) {
+    const auto number = stack[first + i].number();
+    fits = number.has_value();
+    if (!fits) break;
+    if (!std::isfinite(*number)) {
+      throw lua::Located(fmt::format("{} must be finite numbers: {} is {:g}", what,
+                                     space.coordinates()[static_cast<std::size_t>(i)].name, *number));
+    }
+    out[static_cast<std::size_t>(i)] = *number;
+  }
+  if (fits) return;
+  std::string got;
+  for (int i = 0; i < count; ++i) got += (i > 0 ? ", " : "") + stack[first + i].describe();
+  throw lua::Located(fmt::format("{} must be {} numbers ({}), got {}", what, space.dimension(), axis_names(space),
+                                 count == 0 ? "nothing" : got));
 }
 
 ObjectType space_type() {

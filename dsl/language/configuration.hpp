@@ -14,6 +14,9 @@ namespace trellis::dsl {
 /// "(1, 2, 0.5)".
 std::string coordinates_of(View q);
 
+/// "x, y, theta".
+std::string axis_names(const Space& space);
+
 /// A list of numbers.
 void push_numbers(lua::Stack& stack, View numbers);
 
@@ -27,6 +30,11 @@ Space read_space(lua::Value value, const Space& c, const std::string& what);
 
 /// Reads a configuration from a list of as many finite numbers as the space has axes.
 Configuration read_configuration(lua::Value value, const Space& space, const std::string& what);
+
+/// Reads the coordinates in `count` values from `first` on: numbers, or one list of them. Messages call them `what`.
+/// \throws Error
+void read_coordinates(const lua::Stack& stack, int first, int count, const Space& space, MutableView out,
+                      const std::string& what);
 
 /// Wraps periodic coordinates into their range. Messages call the configuration `what`. \throws Error for another
 /// coordinate out of bounds.

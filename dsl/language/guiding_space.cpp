@@ -9,10 +9,13 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include <dsl/language/configuration.hpp>
+#include <dsl/language/instance_value.hpp>
+#include <dsl/language/scene_values.hpp>
 #include <dsl/lua/digest.hpp>
 #include <trellis/guide/pieces.hpp>
 
@@ -161,6 +164,36 @@ std::string shape_text(const ConvexShape& shape) {
       shape);
 }
 
+std::string solid_text(const Solid& solid) {
+  const auto& [p, q] = solid.pose;
+  const std::string shape = std::visit(
+      [](const auto& s) {
+        if constexpr (requires { s->hash(); }) {
+          return fmt::format("mesh {:016x}", s->hash());
+        } else if constexpr (requires { s.size; }) {
+          return fmt::format("box {} {} {}", s.size.x, s.size.y, s.size.z);
+        } else if constexpr (requires { s.length; }) {
+          return fmt::format("{} {} {}", std::is_same_v<decltype(s), const Capsule&> ? "capsule" : "cylinder", s.radius,
+                             s.length);
+        } else {
+          return fmt::format("sphere {}", s.radius);
+        }
+      },
+      solid.shape);
+  return fmt::format("{} at {} {} {} {} {} {} {};", shape, p.x, p.y, p.z, q.x, q.y, q.z, q.w);
+}
+
+std::string shape_text(const NamedShape& named) {
+  if (const auto* solid = std::get_if<Solid>(&named.shape)) return named.name + ": " + solid_text(*solid);
+  const auto& shape = std::get<Shape>(named.shape);
+  const auto* box = std::get_if<Box2>(&shape);
+  const auto* disc = std::get_if<Disc>(&shape);
+  return named.name + ": " +
+         (box != nullptr    ? "box " + shape_text(Polygon{rectangle_vertices(*box)})
+          : disc != nullptr ? shape_text(*disc)
+                            : shape_text(std::get<Polygon>(shape)));
+}
+
 /// Returns the text that identifies an object in a digest.
 std::string object_text(Value value) {
   std::string text;
@@ -173,6 +206,16 @@ std::string object_text(Value value) {
     const auto& [lo, hi] = world->bounds();
     text = fmt::format("world {} {} {} {}:", lo.x, lo.y, hi.x, hi.y);
     for (const auto& part : world->parts()) text += shape_text(part.shape) + ";";
+  } else if (const auto* body = value.get<Robot3>()) {
+    text = body->rotates() ? "body:" : "body that keeps its orientation:";
+    for (const Solid& solid : body->solids()) text += solid_text(solid);
+  } else if (const auto* space = value.get<World3>()) {
+    const auto& [lo, hi] = space->bounds();
+    text = fmt::format("world {} {} {} {} {} {} {} {}:", lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
+                       static_cast<int>(space->contain()), space->surface());
+    for (const auto& obstacle : space->obstacles()) text += solid_text(obstacle.solid);
+  } else if (const auto* shape = value.get<NamedShape>()) {
+    text = shape_text(*shape);
   } else if (const auto* guide = value.get<GuideSpec>()) {
     text = guide->text();
   } else if (value.type() == Type::object) {
@@ -202,8 +245,8 @@ bool fits(Slot slot, Value value) {
   switch (slot) {
     case Slot::space: return value.type() == Type::table;
     case Slot::valid: return value.string() == "free" || value.string() == "parent";
-    case Slot::robot: return value.get<Robot>() != nullptr;
-    case Slot::world: return value.get<World>() != nullptr;
+    case Slot::robot: return robot_in(value).has_value();
+    case Slot::world: return world_in(value).has_value();
     default: return false;
   }
 }
@@ -453,19 +496,7 @@ std::vector<const Construct*> guiding_space_constructs() {
 
 std::vector<ObjectType> guiding_space_types() {
   const std::string configuration = "number[]";
-  std::vector<ObjectType> types;
-  types.push_back({"trellis.Instance", "a planning instance, as the functions of a guiding space see it", "", {}, {}});
-  types.back().members = {
-      {"space", "trellis.Space", "", "its configuration space"},
-      {"start", configuration, "", "the start"},
-      {"goal", configuration, "", "the goal, of several the first"},
-      {"goals", configuration + "[]", "", "all goals: a path to any of them solves the instance"},
-      {"robot", "trellis.Robot", "", "what moves"},
-      {"world", "trellis.World", "", "the workspace"},
-      {"goal_tolerance", "number", "", "a configuration this near to the goal in the metric is the goal"},
-      {"resolution", "number", "", "how far the robot's fastest point moves between two checked configurations"},
-      {"valid", "fun(...: number): boolean", "",
-       "whether a configuration is valid, given by its coordinates; a check that the level pays for"}};
+  std::vector<ObjectType> types = instance_types();
   types.push_back({"trellis.Found", "what the search of S found", "", {}, {}});
   types.back().members = {
       {"solved", "boolean", "", "whether it found a path"},
@@ -483,6 +514,7 @@ std::vector<ObjectType> guiding_space_types() {
 }
 
 void open_guiding_space(Stack& stack, const std::shared_ptr<GuideBook>& book) {
+  open_instance(stack);
   stack.push_function([book](Stack& call) { return make_guiding_space(call, book); });
   stack.set_global(guiding_space_construct().name);
   for (const auto& [construct, make] : std::vector<std::pair<const Construct*, int (*)(Stack&)>>{

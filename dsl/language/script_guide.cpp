@@ -15,6 +15,7 @@
 
 #include <dsl/language/configuration.hpp>
 #include <dsl/language/guiding_space.hpp>
+#include <dsl/language/instance_value.hpp>
 #include <dsl/language/scene_values.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/goal_choice.hpp>
@@ -31,54 +32,6 @@ using lua::Reference;
 using lua::Stack;
 using lua::Type;
 using lua::Value;
-
-std::string names_of(const Space& space) {
-  std::string names;
-  for (const Axis& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
-  return names;
-}
-
-/// Reads the coordinates in the values from `first` on: numbers, or one list of them.
-void read_coordinates(const Stack& stack, int first, int count, const Space& space, MutableView out, const char* what) {
-  if (count == 1 && stack[first].type() == Type::table) {
-    const Configuration q = read_configuration(stack[first], space, what);
-    std::copy(q.begin(), q.end(), out.begin());
-    return;
-  }
-  bool fits = static_cast<std::size_t>(count) == space.dimension();
-  for (int i = 0; fits && i < count; ++i) {
-    const auto number = stack[first + i].number();
-    fits = number.has_value();
-    if (!fits) break;
-    if (!std::isfinite(*number)) {
-      throw Located(fmt::format("{} must be finite numbers: {} is {:g}", what,
-                                space.coordinates()[static_cast<std::size_t>(i)].name, *number));
-    }
-    out[static_cast<std::size_t>(i)] = *number;
-  }
-  if (fits) return;
-  std::string got;
-  for (int i = 0; i < count; ++i) got += (i > 0 ? ", " : "") + stack[first + i].describe();
-  throw Located(fmt::format("{} must be {} numbers ({}), got {}", what, space.dimension(), names_of(space),
-                            count == 0 ? "nothing" : got));
-}
-
-/// The data behind the functions in a table of `instance`; it may outlive the instance.
-struct Asked {
-  Instance* instance = nullptr;
-
-  /// Invalidates it.
-  class Over {
-   public:
-    explicit Over(Asked& asked) : asked_(asked) {}
-    Over(const Over&) = delete;
-    Over& operator=(const Over&) = delete;
-    ~Over() { asked_.instance = nullptr; }
-
-   private:
-    Asked& asked_;
-  };
-};
 
 /// Pushes the solution in S; nil if there was no search.
 void push_found(Stack& stack, const Solution* found) {
@@ -97,38 +50,6 @@ void push_found(Stack& stack, const Solution* found) {
     stack.append(path);
   }
   stack.set_field(table, "path");
-}
-
-void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr<Asked>& asked) {
-  const Value table = stack.push_table();
-  const auto set = [&](const char* name) { stack.set_field(table, name); };
-  push_space(stack, instance.space);
-  set("space");
-  push_numbers(stack, instance.start);
-  set("start");
-  push_numbers(stack, instance.goal());
-  set("goal");
-  const Value goals = stack.push_table();
-  for (const Configuration& goal : instance.goals) {
-    push_numbers(stack, goal);
-    stack.append(goals);
-  }
-  set("goals");
-  push_robot(stack, *instance.scene);
-  set("robot");
-  push_world(stack, *instance.scene);
-  set("world");
-  stack.push(instance.goal_tolerance);
-  set("goal_tolerance");
-  stack.push(instance.resolution);
-  set("resolution");
-  stack.push_function([asked](Stack& call) {
-    if (asked->instance == nullptr) throw Error("valid: the call that this instance was given to is over");
-    Configuration q(asked->instance->space.dimension());
-    read_coordinates(call, 1, call.count(), asked->instance->space, q, "valid: its arguments");
-    return call.result(asked->instance->space.contains(q) && asked->instance->valid(q));
-  });
-  set("valid");
 }
 
 /// The functions of one guide in one run, as C++ functions.
@@ -364,6 +285,9 @@ class ScriptValidity final : public Validity {
   [[nodiscard]] double clearance(View) override {
     throw Error("validity is a function of the script, which has no clearance");
   }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View) override {
+    throw Error("validity is a function of the script, which has no obstacles");
+  }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   /// Records that later results may differ.
   void changed() { ++epoch_; }
@@ -589,8 +513,8 @@ class ScriptGuide final : public Guide {
   Space c_;
   Configuration c_start_;  ///< empty before f is applied
   Instance* sub_ = nullptr;
-  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by the argument of 'heuristic'
-  Asked::Over over_{*asked_};
+  std::shared_ptr<InstanceAccess> asked_ = std::make_shared<InstanceAccess>();  ///< by the argument of 'heuristic'
+  InstanceAccess::Scope over_{*asked_};
   std::optional<ReachedIndex> reached_;       ///< the nodes of the planner in C
   Configurations learnt_{0};                  ///< the nodes of C, if there is an S
   std::optional<ReachedIndex> reached_in_s_;  ///< the same in S
@@ -644,8 +568,8 @@ void ScriptGuide::with_value(Slot slot, Instance& parent, const Read& read) cons
     });
     return;
   }
-  const auto asked = std::make_shared<Asked>(Asked{&parent});
-  const Asked::Over over(*asked);
+  const auto asked = std::make_shared<InstanceAccess>(InstanceAccess{&parent});
+  const InstanceAccess::Scope over(*asked);
   calls_->call(
       slot, value, [&] { return std::string(slot_name(slot)); },
       [&](Stack& stack) {
@@ -716,7 +640,7 @@ void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
   sub.scene = make_scene(std::move(world), std::move(robot));
   if (!sub.validity_of && sub.scene->robot_dimension() > s_->dimension()) {
     throw Error(fmt::format("its robot needs {} coordinates, and S has {} ({})", sub.scene->robot_dimension(),
-                            s_->dimension(), names_of(*s_)));
+                            s_->dimension(), axis_names(*s_)));
   }
   // Checks collisions, even if the parent presumes validity.
   sub.validity = sub.validity_in(sub.scene);
@@ -817,7 +741,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   for (const auto& [s, what] : {std::pair{sub->start, "f of the start"}, {sub->goal(), "f of the goal"}}) {
     if (s_->contains(s)) continue;
     throw Error(fmt::format("{}, {}, is outside of S, which is {} with {}", what, coordinates_of(s), s_->name(),
-                            names_of(*s_)));
+                            axis_names(*s_)));
   }
   if (const auto axes = std::dynamic_pointer_cast<const AxisProjection>(projection_)) {
     for (const std::size_t position : parent.position_axes) {

@@ -16,6 +16,7 @@
 #include <dsl/language/words.hpp>
 #include <trellis/scene/planar/shapes.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis::dsl {
 
@@ -436,15 +437,27 @@ const std::vector<Field>& robot_members() {
   return members;
 }
 
+/// The members of a shape that a script may read.
+const std::vector<Field>& shape_members() {
+  static const std::vector<Field> members = {
+      {"kind", "string", "",
+       "\"box\", \"disc\" or \"polygon\"; in space \"box\", \"sphere\", \"cylinder\", \"capsule\", \"convex\" (any "
+       "convex "
+       "mesh) or \"mesh\""},
+      {"name", "string", "", "how messages call it: its name, or what it is"},
+      {"bounds", "number[]", "", "the smallest box about it: xmin, ymin, xmax, ymax in metres; in space with z"},
+      {"vertices", "number[][]", "",
+       "of a box, polygon, convex or mesh: its corners, those of a planar one in order; an error of another kind"}};
+  return members;
+}
+
 /// Returns the requested name, one of the members'.
 std::string member(Stack& call, const std::vector<Field>& members, const char* what) {
-  std::vector<std::string> known;
-  known.reserve(members.size());
-  for (const Field& field : members) known.push_back(field.name);
   const auto name = call[2].string();
-  if (name && std::find(known.begin(), known.end(), *name) != known.end()) return *name;
-  throw Error(fmt::format("{} has no field {}{}; it has: {}", what, call[2].describe(),
-                          name ? did_you_mean(*name, known) : "", fmt::join(known, ", ")));
+  const bool known =
+      name && std::any_of(members.begin(), members.end(), [&](const Field& f) { return f.name == *name; });
+  if (!known) throw no_member(call[2], members, what);
+  return *name;
 }
 
 /// Returns the name before the number was added: "left wall" of "obstacle 3 (left wall)".
@@ -459,6 +472,83 @@ std::vector<double> numbers_of(const Box3& box) { return {box.lo.x, box.lo.y, bo
 const Shape& shape_of(const Obstacle& obstacle) { return obstacle.shape; }
 const Solid& shape_of(const Obstacle3& obstacle) { return obstacle.solid; }
 
+template <class Any>
+NamedShape as_shape(const Any& obstacle) {
+  const std::string name = given_name(obstacle.name);
+  return {name, name, shape_of(obstacle)};
+}
+
+Box2 bounds_of(const Shape& shape) {
+  if (const auto* box = std::get_if<Box2>(&shape)) return *box;
+  if (const auto* disc = std::get_if<Disc>(&shape)) return bounding_box(*disc);
+  return bounding_box(std::get<Polygon>(shape));
+}
+Box3 bounds_of(const Solid& solid) { return bounding_box(solid); }
+
+std::string kind_of(const Shape& shape) {
+  if (std::holds_alternative<Box2>(shape)) return "box";
+  return std::holds_alternative<Disc>(shape) ? "disc" : "polygon";
+}
+
+std::string kind_of(const Solid& solid) {
+  if (std::holds_alternative<Sphere>(solid.shape)) return "sphere";
+  if (std::holds_alternative<Cuboid>(solid.shape)) return "box";
+  if (std::holds_alternative<Cylinder>(solid.shape)) return "cylinder";
+  if (std::holds_alternative<Capsule>(solid.shape)) return "capsule";
+  return std::get<std::shared_ptr<const Mesh>>(solid.shape)->convex() ? "convex" : "mesh";
+}
+
+/// Returns the corners of a shape; none of one that is round.
+std::vector<Vec2> corners_of(const Shape& shape) {
+  if (const auto* box = std::get_if<Box2>(&shape)) return rectangle_vertices(*box);
+  if (const auto* polygon = std::get_if<Polygon>(&shape)) return polygon->vertices;
+  return {};
+}
+
+std::vector<Vec3> corners_of(const Solid& solid) {
+  std::vector<Vec3> corners;
+  if (const auto* box = std::get_if<Cuboid>(&solid.shape)) {
+    const Vec3 half = 0.5 * box->size;
+    for (const double x : {-half.x, half.x}) {
+      for (const double y : {-half.y, half.y}) {
+        for (const double z : {-half.z, half.z}) corners.push_back({x, y, z});
+      }
+    }
+  } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&solid.shape)) {
+    corners = (*mesh)->vertices();
+  }
+  for (Vec3& corner : corners) corner = solid.pose(corner);
+  return corners;
+}
+
+std::vector<double> numbers_of(Vec2 p) { return {p.x, p.y}; }
+std::vector<double> numbers_of(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+int read_shape(Stack& call) {
+  const auto* named = call[1].get<NamedShape>();
+  const std::string field = member(call, shape_members(), "a shape");
+  if (field == "name") return call.result(named->name.empty() ? named->text : named->name);
+  return std::visit(
+      [&](const auto& shape) {
+        if (field == "kind") return call.result(kind_of(shape));
+        if (field == "bounds") {
+          push_numbers(call, numbers_of(bounds_of(shape)));
+          return 1;
+        }
+        const auto corners = corners_of(shape);
+        if (corners.empty()) {
+          throw Error(fmt::format("a {} has no vertices; it has kind, name and bounds", kind_of(shape)));
+        }
+        const Value list = call.push_table();
+        for (const auto& corner : corners) {
+          push_numbers(call, numbers_of(corner));
+          call.append(list);
+        }
+        return 1;
+      },
+      named->shape);
+}
+
 template <class W>
 int read_world(Stack& call) {
   const W world = *call[1].get<W>();
@@ -468,8 +558,7 @@ int read_world(Stack& call) {
   }
   const Value result = call.push_table();
   for (const auto& obstacle : world.obstacles()) {
-    const std::string name = given_name(obstacle.name);
-    call.push_object(NamedShape{name, name, shape_of(obstacle)});
+    call.push_object(as_shape(obstacle));
     call.append(result);
   }
   return 1;
@@ -548,6 +637,27 @@ lua::Callback text_of(std::string (*text)(const T&)) {
 
 }  // namespace
 
+Error no_member(Value key, const std::vector<Field>& members, const char* what) {
+  std::vector<std::string> known;
+  known.reserve(members.size());
+  for (const Field& field : members) known.push_back(field.name);
+  const auto name = key.string();
+  return Error(fmt::format("{} has no field {}{}; it has: {}", what, key.describe(),
+                           name ? did_you_mean(*name, known) : "", fmt::join(known, ", ")));
+}
+
+std::string obstacle_name(const Scene& scene, std::size_t obstacle) {
+  return given_name(scene.obstacle_name(obstacle));
+}
+
+void push_obstacle(Stack& stack, const Scene& scene, std::size_t obstacle) {
+  if (obstacle >= scene.obstacle_count()) {
+    throw Error(fmt::format("the collision backend has an obstacle {}, and the world of the instance has {}",
+                            obstacle + 1, scene.obstacle_count()));
+  }
+  visit(scene, [&](const auto& kind) { stack.push_object(as_shape(kind.world.obstacles()[obstacle])); });
+}
+
 std::vector<const Construct*> world_constructs() {
   return {&box_construct(),   &disc_construct,       &polygon_construct,     &world_construct(),
           &point_construct(), &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
@@ -555,13 +665,14 @@ std::vector<const Construct*> world_constructs() {
 }
 
 std::vector<ObjectType> world_types() {
-  return {{"trellis.Shape", "an obstacle or a robot's part", "", {}, {}},
+  return {{"trellis.Shape", "an obstacle or a robot's part", "", shape_members(), {}},
           {"trellis.World", "a workspace of the plane or of space", "", world_members(), {}},
           {"trellis.Robot", "what moves", "", robot_members(), {}}};
 }
 
 void open_world(Stack& stack) {
-  stack.declare<NamedShape>({{"__tostring", text_of<NamedShape>([](const NamedShape& shape) { return shape.text; })}});
+  stack.declare<NamedShape>({{"__tostring", text_of<NamedShape>([](const NamedShape& shape) { return shape.text; })},
+                             {"__index", read_shape}});
   stack.declare<World>({{"__tostring", text_of<World>(world_text<World>)}, {"__index", read_world<World>}});
   stack.declare<World3>({{"__tostring", text_of<World3>(world_text<World3>)}, {"__index", read_world<World3>}});
   stack.declare<Robot>({{"__tostring", text_of<Robot>(robot_text<Robot>)}, {"__index", read_robot<Robot>}});

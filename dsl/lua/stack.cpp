@@ -32,6 +32,12 @@ int call_back(lua_State* state) {
   return Guard::run(state, static_cast<const Boxed<Callback>&>(*object).value);
 }
 
+/// The default of __newindex.
+int refuse_assignment(Stack& call) {
+  throw Error(fmt::format("{} cannot be changed, so its field {} cannot be set; make another one", call[1].describe(),
+                          call[2].describe()));
+}
+
 void room(lua_State* state, int slots = 2) { luaL_checkstack(state, slots, "too many values"); }
 
 }  // namespace
@@ -216,6 +222,8 @@ void Stack::declare(const char* type, const Metamethods& metamethods) {
   // The result of getmetatable; scripts cannot access the metatable itself.
   push(type);
   set_field(table, "__metatable");
+  push_function(refuse_assignment);
+  set_field(table, "__newindex");
   for (const auto& [name, callback] : metamethods) {
     push_function(callback);
     set_field(table, name);

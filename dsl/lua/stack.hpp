@@ -118,7 +118,8 @@ class Stack {
   /// The same. \throws Located for an error in it, so that the caller's callback has failed.
   void call_protected(int arguments);
 
-  /// Declares a type. Call it once per type, before the first object.
+  /// Declares a type. Call it once per type, before the first object. Without a metamethod "__newindex", an assignment
+  /// to a field of its objects is an error.
   template <class T>
   void declare(const Metamethods& metamethods) {
     declare(TypeName<T>::value, metamethods);

@@ -300,6 +300,52 @@ TEST_CASE("clearance is the distance to what is nearest") {
   }
 }
 
+TEST_CASE("the nearest obstacle is the one at the least distance, with its nearest point") {
+  auto cases = paper_cases();
+  for (auto& c : mixed_cases()) cases.push_back(std::move(c));
+  for (const Case& c : cases) {
+    INFO(c.name);
+    const auto& obstacles = trellis::planar(*c.scene).world.obstacles();
+    for (const auto& backend : backends) {
+      INFO(backend);
+      const auto checker = make_checker(backend, c.scene, c.space, 0.05);
+      Stream stream(7, c.name, "nearest obstacle");
+      Configuration q(c.space.dimension());
+      std::vector<Pose2> poses(c.bodies.size());
+      double worst = 0.0;
+      for (int i = 0; i < 2000; ++i) {
+        c.space.sample_uniform(stream, q);
+        trellis::planar(*c.scene).robot.place(q, poses);
+        const auto distance_of = [&](const Shape& obstacle) {
+          double least = std::numeric_limits<double>::infinity();
+          for (std::size_t body = 0; body < c.bodies.size(); ++body) {
+            for (const Shape& part : c.bodies[body]) {
+              least = std::min(least, reference_distance(moved(part, poses[body]), obstacle));
+            }
+          }
+          return least;
+        };
+        double least = std::numeric_limits<double>::infinity();
+        for (const Obstacle& obstacle : obstacles) least = std::min(least, distance_of(obstacle.shape));
+        const std::optional<Proximity> nearest = checker->nearest_obstacle(q);
+        REQUIRE(nearest);
+        worst = std::max({worst, std::abs(nearest->distance - least),
+                          std::abs(distance_of(obstacles.at(nearest->obstacle).shape) - least)});
+        REQUIRE(nearest->point.has_value() == (nearest->distance > 0.0));
+        if (!nearest->point) continue;
+        const Shape point = Disc{{nearest->point->x, nearest->point->y}, 0.0};
+        worst = std::max({worst, reference_distance(point, obstacles[nearest->obstacle].shape),
+                          std::abs(distance_of(point) - least)});
+        REQUIRE(nearest->point->z == 0.0);
+      }
+      CHECK(worst < 1e-12);
+    }
+  }
+  const auto empty = std::make_shared<const PlanarScene>(World({{0, 0}, {1, 1}}, {}), Robot::disc(0.1));
+  const auto checker = make_planar_checker(empty, empty->default_space(1.0), 0.05);
+  CHECK_FALSE(checker->nearest_obstacle(Configuration{0.5, 0.5}));
+}
+
 TEST_CASE("a contact names the first body and obstacle that touch") {
   for (const Case& c : mixed_cases()) {
     INFO(c.name);

@@ -203,6 +203,66 @@ TEST_CASE("a ball is valid where the obstacles are farther than its radius") {
   }
 }
 
+TEST_CASE("the nearest obstacle in space has the distance of the clearance, and its nearest point") {
+  Stream stream(11, "", "nearest obstacle");
+  int free = 0, points = 0;
+  for (int round = 0; round < 60; ++round) {
+    const auto scene = random_scene(stream, round);
+    const SpatialScene& in_space = spatial(*scene);
+    const Pair pair(scene, 0.1);
+    const std::vector<Obstacle3>& obstacles = in_space.world.obstacles();
+    for (int i = 0; i < 50; ++i) {
+      INFO(round << " " << i);
+      const Configuration q = pair.sample(stream);
+      const auto nearest = pair.plain->nearest_obstacle(q);
+      REQUIRE(nearest);
+      const auto filtered = pair.filtered->nearest_obstacle(q);
+      REQUIRE(filtered);
+      CHECK(filtered->obstacle == nearest->obstacle);
+      CHECK(filtered->distance == nearest->distance);
+      const auto contact = pair.plain->contact(q);
+      if (contact && contact->obstacle) {
+        CHECK(nearest->distance == 0.0);
+        CHECK(nearest->obstacle == *contact->obstacle);
+        CHECK_FALSE(nearest->point);
+        continue;
+      }
+      // Where the boundary is farther away.
+      if (pair.plain->valid(q)) CHECK(nearest->distance >= pair.plain->clearance(q) - 1e-9);
+      ++free;
+      if (!nearest->point) continue;
+      ++points;
+      const double tolerance = 2e-4 * nearest->distance + 2e-5;
+      CHECK(distance_to(obstacles.at(nearest->obstacle).solid, *nearest->point) <= tolerance);
+      double from_robot = std::numeric_limits<double>::infinity();
+      const Pose3 pose = in_space.robot.pose(q);
+      for (const Solid& solid : in_space.robot.solids()) {
+        from_robot = std::min(from_robot, distance_to({solid.shape, pose * solid.pose}, *nearest->point));
+      }
+      CHECK(std::abs(from_robot - nearest->distance) <= tolerance);
+    }
+  }
+  CHECK(free > 500);
+  // FCL does not give it for every pair.
+  CHECK(points > 0.6 * free);
+}
+
+TEST_CASE("the nearest obstacle of a point in space is exact") {
+  const auto ball = std::make_shared<SpatialScene>(
+      World3({{0, 0, 0}, {10, 10, 10}},
+             {{"ball", {Sphere{1.0}, {{5, 5, 5}, {}}}}, {"box", {Cuboid{{2, 2, 2}}, {{8, 8, 8}, {}}}}}),
+      Robot3::point());
+  const auto checker = make_spatial_checker(ball, ball->default_space(1.0), 0.1);
+  const auto nearest = checker->nearest_obstacle(Configuration{2, 5, 5});
+  REQUIRE(nearest);
+  CHECK(nearest->obstacle == 0);
+  CHECK(nearest->distance == Approx(2.0).margin(1e-6));
+  REQUIRE(nearest->point);
+  CHECK(norm(*nearest->point - Vec3{4, 5, 5}) < 1e-5);
+  CHECK(checker->nearest_obstacle(Configuration{8, 8, 9.5})->obstacle == 1);
+  CHECK(checker->nearest_obstacle(Configuration{8, 8, 8})->distance == 0.0);
+}
+
 TEST_CASE("a robot with a point inside an obstacle is in collision") {
   Stream stream(4, "spatial", "points");
   for (int round = 0; round < 120; ++round) {

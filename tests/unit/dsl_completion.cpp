@@ -63,8 +63,8 @@ TEST_CASE("after a dot come the fields of a module or a library") {
   CHECK(next("0.").empty());
 }
 
-TEST_CASE("after a colon comes what can be asked of a strategy or a robot") {
-  CHECK(next("strategy:") == Words{"hash", "json", "scaled", "tree"});
+TEST_CASE("after a colon comes what can be asked of a value") {
+  CHECK(next("strategy:") == Words{"clearance", "hash", "json", "nearest_obstacle", "scaled", "tree", "valid"});
   CHECK(next("(skeleton() >> rrt {}):tr") == Words{"tree"});
 }
 

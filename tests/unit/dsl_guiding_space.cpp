@@ -250,6 +250,116 @@ TEST_CASE("h may be a function that draws, with its density") {
                  Contains("where it drew a sample: it returned 0, expected a finite number greater than 0"));
 }
 
+TEST_CASE("shapes have a kind, a name, bounds and vertices, and cannot be changed") {
+  const std::string world =
+      "local w = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7, name = 'left'}, disc {1, 8, 0.5}, "
+      "polygon { {7, 7}, {9, 7}, {8, 9} } } ";
+  const std::string text =
+      "local function text(shape) local corners = {} "
+      "if shape.kind ~= 'disc' then for i, v in ipairs(shape.vertices) do corners[i] = ('%g %g'):format(v[1], v[2]) "
+      "end "
+      "end local b = shape.bounds return ('%s, %s, %g %g %g %g, %s'):format(shape.kind, shape.name, b[1], b[2], b[3], "
+      "b[4], table.concat(corners, '; ')) end ";
+  CHECK(test::values(world + text +
+                     "local o = w.obstacles return text(o[1]), text(o[2]), text(o[3]), "
+                     "text(box {0, 1, 2, 3}), text(box {0, 1, 2, 3, name = 'b'})") ==
+        std::vector<std::string>{"box, left, 4 0 6 7, 4 0; 6 0; 6 7; 4 7", "disc, disc 1 8 0.5, 0.5 7.5 1.5 8.5, ",
+                                 "polygon, polygon of 3 vertices, 7 7 9 9, 7 7; 9 7; 8 9",
+                                 "box, box 0 1 2 3, 0 1 2 3, 0 1; 2 1; 2 3; 0 3",
+                                 "box, b, 0 1 2 3, 0 1; 2 1; 2 3; 0 3"});
+  CHECK_THAT(test::failure(world + "return w.obstacles[2].vertices"),
+             Contains("test.lua:1: a disc has no vertices; it has kind, name and bounds"));
+  CHECK_THAT(
+      test::failure(world + "return w.obstacles[1].vertexes"),
+      Contains("a shape has no field \"vertexes\" (did you mean 'vertices'?); it has: kind, name, bounds, vertices"));
+  CHECK_THAT(test::failure(world + "w.obstacles[1].name = 'right'"),
+             Contains("test.lua:1: a shape cannot be changed, so its field \"name\" cannot be set; make another one"));
+  CHECK_THAT(test::failure(world + "w.bounds = {}"), Contains("a world cannot be changed, so its field \"bounds\""));
+  CHECK_THAT(test::failure("robot.disc(1).radius = 2"), Contains("a robot cannot be changed"));
+  CHECK_THAT(test::failure("tube {}.delta = 2"), Contains("a target cannot be changed"));
+}
+
+TEST_CASE("the functions of a guide ask the instance for validity, clearance and the nearest obstacle") {
+  const std::string ask =
+      "guiding_space { name = 'g', space = {}, heuristic = function(_, i)\n"
+      "  local function near(a, b) assert(math.abs(a - b) < 1e-9, a .. ' is not ' .. b) end\n"
+      "  assert(i:valid(i.start) and i:valid(1, 1, 0) and i.valid(1, 1, 0) and not i:valid({5, 5, 0}))\n"
+      "  assert(not i:valid(50, 5, 0))\n"
+      "  near(i:clearance(2, 1, 0), 0.9) near(i:clearance({5, 5, 0}), 0) near(i:clearance(50, 5, 0), 0)\n"
+      "  local n = i:nearest_obstacle(2, 1, 0)\n"
+      "  near(n.distance, 1.7) near(n.point[1], 4) assert(#n.point == 2 and math.abs(n.point[2] - 1) <= 0.1 + 1e-9)\n"
+      "  assert(n.name == 'box 4 0 6 7' and n.shape.name == n.name and n.number == 1 and n.shape.bounds[4] == 7)\n"
+      "  local inside = i:nearest_obstacle({5, 5, 0})\n"
+      "  assert(inside.distance == 0 and inside.point == nil)\n"
+      "  assert(tostring(i) == 'an instance' and #i.goals == 1 and i.world.obstacles[1].kind == 'box')\n"
+      "  return uniform() end }";
+  const RunRecord run = run_of(ask, "g >> rrt { bound = 0, goal_bias = 0, uniform = 0, proposals = 10 }");
+  const RunRecord without =
+      run_of("guiding_space { name = 'g', space = {}, heuristic = function() return uniform() end }",
+             "g >> rrt { bound = 0, goal_bias = 0, uniform = 0, proposals = 10 }");
+  // Each answer is a check of the level, but where a configuration lies outside of the space.
+  CHECK(run.levels[0].search.checks.validity == without.levels[0].search.checks.validity + 8);
+  // Of the functions that make S: of S's level.
+  const auto checks = [&](const std::string& more) {
+    return run_of("guiding_space { name = 'g', robot = function(i) " + more + " return i.robot:scaled(0.5) end }",
+                  "g >> rrt { bound = 0 }")
+        .levels[1]
+        .search.checks.validity;
+  };
+  CHECK(checks("for k = 1, 10 do i:valid(i.start) i:clearance(i.start) i:nearest_obstacle(i.start) end") ==
+        checks("") + 30);
+}
+
+TEST_CASE("what is wrong with a question to the instance is said") {
+  const auto fails = [](const std::string& code) {
+    return run_failure("guiding_space { name = 'g', space = {}, heuristic = function(_, i)\n" + code +
+                       "\nreturn uniform() end }");
+  };
+  const std::string at = "in g >> rrt (problem 'room', seed 1): heuristic: test.lua:4: ";
+  CHECK_THAT(fails("i:clearance(1, 2)"),
+             Contains(at + "instance:clearance: its configuration must be 3 numbers (x, y, theta), got 1, 2"));
+  CHECK_THAT(fails("i:valid()"),
+             Contains(at + "instance:valid: its configuration must be 3 numbers (x, y, theta), got nothing"));
+  CHECK_THAT(fails("i:valid('a', 2, 3)"), Contains("must be 3 numbers (x, y, theta), got \"a\", 2, 3"));
+  CHECK_THAT(
+      fails("i:valid({1, 2})"),
+      Contains(at + "instance:valid: its configuration must be a configuration of 3 numbers (x, y, theta), got 2"));
+  CHECK_THAT(fails("i:nearest_obstacle(1, 2, 0/0)"), Contains("must be finite numbers: theta is nan"));
+  CHECK_THAT(fails("i:nearest_obstacle(50, 2, 0)"),
+             Contains(at + "instance:nearest_obstacle: (50, 2, 0) lies outside of the space SE(2)"));
+  CHECK_THAT(fails("i:clearence(1, 2, 0)"),
+             Contains(at + "an instance has no field \"clearence\" (did you mean 'clearance'?); it has: space, start"));
+  CHECK_THAT(fails("i.start = {1, 2, 0}"),
+             Contains(at + "an instance cannot be changed, so its field \"start\" cannot be set; make another one"));
+  // A space without collision checks has a clearance or not, and no obstacle.
+  CHECK_THAT(run_failure("(function() local f = guiding_space { name = 'f', valid = function() return true end }\n"
+                         "local g = guiding_space { name = 'g', space = {}, heuristic = function(_, i) "
+                         "i:clearance(i.start) return uniform() end } return g >> f end)()"),
+             Contains("instance:clearance: validity is a function of the script, which has no clearance"));
+  CHECK_THAT(run_failure("guiding_space { name = 'g', space = {}, heuristic = function(_, i) "
+                         "assert(i:clearance(i.start) == math.huge) i:nearest_obstacle(i.start) return uniform() end }",
+                         "g >> lazy() >> rrt {}"),
+             Contains("instance:nearest_obstacle: no collision check decides validity in this space, so it has no "
+                      "nearest obstacle"));
+  CHECK_THAT(
+      run_failure("(function() local kept return guiding_space { name = 'g', robot = function(i) kept = i return "
+                  "i.robot end, heuristic = function() kept:valid(1, 1, 0) end } end)()"),
+      Contains("instance:valid: the call that this instance was given to is over"));
+}
+
+TEST_CASE("guides whose functions keep other shapes are different") {
+  const auto with = [](const std::string& shape) {
+    return strategy_of(
+        "(function(s) return guiding_space { name = 'g', world = function(i) return world { bounds = "
+        "i.world.bounds, s } end } end)(" +
+        shape + ")");
+  };
+  CHECK(with("box {4, 0, 6, 7}") == with("box {4, 0, 6, 7}"));
+  CHECK_FALSE(with("box {4, 0, 6, 7}") == with("box {4, 0, 6, 6}"));
+  CHECK_FALSE(with("disc {4, 1, 1}") == with("disc {4, 1, 2}"));
+  CHECK_FALSE(with("sphere {4, 1, 1, 1}") == with("sphere {4, 1, 1, 2}"));
+}
+
 TEST_CASE("h receives the outcomes of its proposals, may adapt to them, and requests another solution") {
   const RunRecord run = run_of(
       "(function() local n, kinds = 0, {}\n"

@@ -6,8 +6,10 @@
 #include <variant>
 #include <vector>
 
+#include <dsl/language/session.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
@@ -15,6 +17,8 @@
 
 using namespace trellis;
 using Catch::Matchers::Contains;
+using dsl::Program;
+using dsl::Session;
 using test::failure;
 using test::values;
 
@@ -223,4 +227,39 @@ TEST_CASE("a mesh is read from the script's folder, in its unit, and its inside 
   CHECK_NOTHROW(load("true", "2, 1, 1"));
   CHECK_THROWS_WITH(load("true", "1, 1, 1"), Contains("in collision with obstacle 1 (cube)"));
   CHECK(dsl::Session(folder.path()).evaluate("return mesh 'cube.off'", "test.lua").front() == "mesh cube.off");
+}
+
+TEST_CASE("shapes of space have a kind, a name, bounds and vertices") {
+  CHECK(values("local s = box {-1, -2, 0, 1, 2, 1, pose = pose {5, 5, 5, axis = {0, 0, 1}, angle = math.pi / 2}} "
+               "local b, v = s.bounds, s.vertices return s.kind, #v, #v[1], ('%.3g %.3g %.3g %.3g %.3g %.3g'):format("
+               "table.unpack(b)), s.name") ==
+        std::vector<std::string>{"box", "8", "3", "3 4 5 7 6 6", "box -1 -2 0 1 2 1"});
+  CHECK(values("local c = convex { {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, name = 'tetrahedron' } return c.kind, "
+               "#c.vertices, c.name, sphere {1, 1, 1, 0.5}.kind, cylinder { radius = 1, length = 2 }.kind, "
+               "capsule { radius = 1, length = 2 }.bounds[6], table.concat(sphere {1, 1, 1, 0.5}.bounds, ' ')") ==
+        std::vector<std::string>{"convex", "4", "tetrahedron", "sphere", "cylinder", "2.0", "0.5 0.5 0.5 1.5 1.5 1.5"});
+  CHECK_THAT(failure("return sphere {1, 1, 1, 0.5}.vertices"), Contains("a sphere has no vertices"));
+  CHECK_THAT(failure(head + "w.obstacles[1].kind = 'ball'"), Contains("a shape cannot be changed"));
+  CHECK_THAT(failure(head + "w.bounds = nil"), Contains("a world of space cannot be changed"));
+  CHECK_THAT(failure("pose {1, 2, 3}.position = 3"), Contains("a pose cannot be changed"));
+}
+
+TEST_CASE("a guide of a script sees a world of space") {
+  const Program program = Session("").load(
+      head +
+          "local p = problem { name = 'sill', world = w, robot = bar, start = pose {1.5, 5, 3}, goal = pose {8, 5, 3} "
+          "}\n"
+          "local g = guiding_space { name = 'g', robot = robot.rigid { box {-.5, -.1, -.1, .5, .1, .1} },\n"
+          "  world = world { bounds = {0, 0, 0, 10, 10, 4}, box {4, 0, 0, 6, 10, 1} }, heuristic = function(found, i)\n"
+          "    local near = i:nearest_obstacle(5, 5, 3, 0, 0, 0, 1)\n"
+          "    assert(near.name == 'sill' and near.shape.kind == 'box' and math.abs(near.distance - 1.4) < 1e-4)\n"
+          "    assert(#near.point == 3 and math.abs(near.point[3] - 1.5) < 1e-4)\n"
+          "    assert(math.abs(i:clearance({5, 5, 3, 0, 0, 0, 1}) - 0.9) < 1e-4 and i:valid(i.start))\n"
+          "    return along(found.path) end }\n"
+          "return experiment { problems = p, strategies = { g = g >> rrt_connect { step = 1 } }, measure = false }",
+      "test.lua");
+  const Experiment& experiment = program.experiment;
+  const RunRecord run = execute(experiment.strategies[0].second, experiment.problems[0], 1);
+  CHECK(run.solved);
+  CHECK(run.levels.size() == 2);
 }

@@ -10,6 +10,7 @@
 
 #include <trellis/collision/certificate.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/space/rotation.hpp>
 
 namespace trellis {
 
@@ -30,6 +31,15 @@ struct Contact {
   std::size_t body = 0;                   ///< the robot's body
   std::optional<std::size_t> obstacle;    ///< the obstacle of the world; none: the boundary, or another body
   std::optional<std::size_t> other = {};  ///< the robot's other body of the contact
+};
+
+/// The obstacle nearest to the robot at a configuration.
+struct Proximity {
+  std::size_t obstacle = 0;  ///< of the world; the first of those at the same distance
+  double distance = 0.0;     ///< metres; 0: the robot touches it
+  /// The obstacle's point that is nearest to the robot, with z = 0 in the plane; none where the robot touches the
+  /// obstacle, or where the backend has no such point.
+  std::optional<Vec3> point = {};
 };
 
 /// Checks the validity of configurations and motions of a robot in a world. A configuration is valid if the robot lies
@@ -60,6 +70,10 @@ class Checker {
   /// Returns the distance in metres from the robot at q to the nearest obstacle or, from inside, to the boundary, and
   /// between the bodies of self-collision pairs; 0 in collision.
   [[nodiscard]] virtual double clearance(View q) const = 0;
+  /// Returns the obstacle of the world that is nearest to the robot at q; none without obstacles. Unlike `clearance` it
+  /// considers neither the boundary nor self-collision pairs.
+  /// \param q  finite coordinates
+  [[nodiscard]] virtual std::optional<Proximity> nearest_obstacle(View q) const = 0;
   /// Returns a lower bound, in the space's metric, on the distance from q to the nearest valid configuration: every
   /// nearer configuration is invalid too. 0 where q is valid or the checker has no bound; at most the diameter of the
   /// space. Does not decide validity: call it at an invalid configuration.

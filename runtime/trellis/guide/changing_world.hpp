@@ -30,6 +30,7 @@ class ChangingWorld final : public Validity {
   [[nodiscard]] double clearance(View q) override { return validity_->clearance(q); }
   /// The contact of the robot with this world.
   [[nodiscard]] std::optional<Contact> contact(View q) override { return validity_->contact(q); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return validity_->nearest_obstacle(q); }
   [[nodiscard]] double invalid_radius(View q) override { return validity_->invalid_radius(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
 

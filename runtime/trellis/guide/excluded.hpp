@@ -121,6 +121,7 @@ class ExcludingValidity final : public EvaluatedValidity {
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
   [[nodiscard]] double effort_factor(View a, View b) const override { return inner_->effort_factor(a, b); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return inner_->nearest_obstacle(q); }
   [[nodiscard]] double invalid_radius(View q) override { return std::max(balls_.depth(q), inner_->invalid_radius(q)); }
   [[nodiscard]] std::uint64_t epoch() const override { return changed_.size() + inner_->epoch(); }
   [[nodiscard]] std::optional<double> excluded(View a, View b) override {

@@ -108,6 +108,7 @@ class RangedValidity final : public Validity {
   [[nodiscard]] MotionReport motion(View a, View b) override;
   [[nodiscard]] double clearance(View s) override { return own_->clearance(s); }
   [[nodiscard]] std::optional<Contact> contact(View s) override { return own_->contact(s); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return own_->nearest_obstacle(s); }
   [[nodiscard]] double invalid_radius(View s) override { return own_->invalid_radius(s); }
 
  private:

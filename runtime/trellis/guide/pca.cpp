@@ -315,6 +315,10 @@ class FlatValidity final : public Validity {
   [[nodiscard]] std::optional<Contact> contact(View s) override {
     return flat_->at(s, b_) ? c_->contact(b_) : std::nullopt;
   }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override {
+    if (!flat_->at(s, b_)) throw Error("the configuration lies outside of C, so it has no nearest obstacle");
+    return c_->nearest_obstacle(b_);
+  }
 
  private:
   std::shared_ptr<const Flat> flat_;

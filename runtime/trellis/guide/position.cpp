@@ -36,6 +36,7 @@ class ReachableValidity final : public Validity {
   }
   [[nodiscard]] double clearance(View s) override { return positions_->clearance(s); }
   [[nodiscard]] std::optional<Contact> contact(View s) override { return positions_->contact(s); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return positions_->nearest_obstacle(s); }
   [[nodiscard]] double invalid_radius(View s) override { return positions_->invalid_radius(s); }
 
  private:

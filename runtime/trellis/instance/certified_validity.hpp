@@ -32,6 +32,7 @@ class CertifiedValidity final : public Validity {
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
   [[nodiscard]] bool needed(View q) override { return inner_->needed(q); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return inner_->nearest_obstacle(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return inner_->epoch(); }
   [[nodiscard]] double invalid_radius(View q) override { return inner_->invalid_radius(q); }
 

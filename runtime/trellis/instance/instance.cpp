@@ -9,6 +9,11 @@
 
 namespace trellis {
 
+std::optional<Proximity> Validity::nearest_obstacle(View q) {
+  static_cast<void>(q);
+  throw Error("no collision check decides validity in this space, so it has no nearest obstacle");
+}
+
 namespace {
 
 /// The validity of states: within the bounds of the space and the limits of the motion model, and free of collision.
@@ -30,6 +35,9 @@ class StateValidity final : public Validity {
   }
   [[nodiscard]] double clearance(View x) override { return configurations_->clearance(x); }
   [[nodiscard]] std::optional<Contact> contact(View x) override { return configurations_->contact(x); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View x) override {
+    return configurations_->nearest_obstacle(x);
+  }
 
  private:
   [[nodiscard]] bool keeps_limits(View x) const { return space_.contains(x) && model_->admits(x); }

@@ -46,6 +46,9 @@ class Validity {
     static_cast<void>(q);
     return {};
   }
+  /// Returns the obstacle of the instance's world that is nearest to the robot at q; none without obstacles.
+  /// \throws Error where no collision check decides validity: such a space has no distances to obstacles
+  [[nodiscard]] virtual std::optional<Proximity> nearest_obstacle(View q);
   /// A counter that grows each time the valid set may have changed: planners then recheck their motions.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
   /// Whether a motion that was valid at an earlier epoch still is. Costs no validity check where the implementation
@@ -88,6 +91,7 @@ class CollisionValidity final : public Validity {
   void certify(View a, View b, Certificate& certificate) override { checker_->certify(a, b, certificate); }
   [[nodiscard]] double clearance(View q) override { return checker_->clearance(q); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return checker_->contact(q); }
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return checker_->nearest_obstacle(q); }
   [[nodiscard]] double invalid_radius(View q) override { return checker_->invalid_radius(q); }
   [[nodiscard]] const Checker& checker() const { return *checker_; }
 
@@ -215,6 +219,12 @@ class Instance {
   [[nodiscard]] double clearance(View q) {
     if (validity->spends_checks()) ++checks.validity;
     return validity->clearance(q);
+  }
+
+  /// Returns the nearest obstacle; counts as one validity check.
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) {
+    if (validity->spends_checks()) ++checks.validity;
+    return validity->nearest_obstacle(q);
   }
 
   /// A counter that grows each time the valid set may have changed: through the validity, or through a new projection.

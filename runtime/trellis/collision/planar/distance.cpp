@@ -63,6 +63,50 @@ double distance(const Polygon& a, const Polygon& b) {
   return std::sqrt(best);
 }
 
+/// Returns the nearest point of the segment from a to b.
+Vec2 nearest_on_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 along = b - a;
+  return a + std::clamp(dot(p - a, along) / dot(along, along), 0.0, 1.0) * along;
+}
+
+/// Returns the nearest point of the polygon's outline.
+Vec2 nearest_on_outline(const Polygon& polygon, Vec2 p) {
+  Vec2 nearest = polygon.vertices.front();
+  double best = std::numeric_limits<double>::infinity();
+  each_edge(polygon, [&](Vec2 a, Vec2 b) {
+    const Vec2 point = nearest_on_segment(p, a, b);
+    const double squared = dot(p - point, p - point);
+    if (squared >= best) return;
+    best = squared;
+    nearest = point;
+  });
+  return nearest;
+}
+
+/// Returns the point of the disc in the direction of p, which lies outside of it.
+Vec2 towards(const Disc& disc, Vec2 p) {
+  const Vec2 away = p - disc.centre;
+  return disc.centre + disc.radius / norm(away) * away;
+}
+
+Vec2 nearest_point(const Disc& from, const Disc& of) { return towards(of, from.centre); }
+Vec2 nearest_point(const Disc& from, const Polygon& of) { return nearest_on_outline(of, from.centre); }
+Vec2 nearest_point(const Polygon& from, const Disc& of) { return towards(of, nearest_on_outline(from, of.centre)); }
+
+Vec2 nearest_point(const Polygon& from, const Polygon& of) {
+  Vec2 nearest = of.vertices.front();
+  double best = std::numeric_limits<double>::infinity();
+  const auto add = [&](Vec2 point, Vec2 other) {
+    const double squared = dot(point - other, point - other);
+    if (squared >= best) return;
+    best = squared;
+    nearest = point;
+  };
+  for (const Vec2 p : from.vertices) add(nearest_on_outline(of, p), p);
+  for (const Vec2 p : of.vertices) add(p, nearest_on_outline(from, p));
+  return nearest;
+}
+
 double penetration_depth(const Disc& a, const Disc& b) { return a.radius + b.radius - norm(a.centre - b.centre); }
 
 // The disc's radius plus the signed distance from its centre to the polygon's outline, positive inside.
@@ -109,6 +153,10 @@ double distance(const ConvexShape& a, const ConvexShape& b) {
   return std::visit([](const auto& s, const auto& t) { return distance(s, t); }, a, b);
 }
 
+Vec2 nearest_point(const ConvexShape& from, const ConvexShape& of) {
+  return std::visit([](const auto& s, const auto& t) { return nearest_point(s, t); }, from, of);
+}
+
 double penetration_depth(const ConvexShape& a, const ConvexShape& b) {
   return std::max(0.0, std::visit([](const auto& s, const auto& t) { return penetration_depth(s, t); }, a, b));
 }
@@ -116,7 +164,7 @@ double penetration_depth(const ConvexShape& a, const ConvexShape& b) {
 double box_distance(const Box2& a, const Box2& b) {
   const double x = std::max({0.0, a.lo.x - b.hi.x, b.lo.x - a.hi.x});
   const double y = std::max({0.0, a.lo.y - b.hi.y, b.lo.y - a.hi.y});
-  return norm({x, y});
+  return norm(Vec2{x, y});
 }
 
 double margin_inside(const Box2& inner, const Box2& outer) {

@@ -11,6 +11,9 @@ void move_shape(const ConvexShape& shape, const Pose2& pose, ConvexShape& out);
 /// Returns the exact distance between two closed convex shapes; 0 where they touch.
 double distance(const ConvexShape& a, const ConvexShape& b);
 
+/// Returns the point of `of` that is nearest to `from`. Requires that the two closed convex shapes are disjoint.
+Vec2 nearest_point(const ConvexShape& from, const ConvexShape& of);
+
 /// Returns the penetration depth: the length of the shortest translation after which the two closed convex shapes share
 /// no interior point. 0 for disjoint shapes.
 double penetration_depth(const ConvexShape& a, const ConvexShape& b);

@@ -267,6 +267,9 @@ class FclChecker final : public Checker {
     return std::max(best, 0.0);
   }
 
+  /// FCL's distances and nearest points have errors of about 1e-6 m.
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override { return exact().nearest_obstacle(q); }
+
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     robot_.place(q, frames_);

@@ -233,6 +233,32 @@ class PlanarChecker final : public Checker {
     return std::max(best, 0.0);
   }
 
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override {
+    robot_.place(q, frames_);
+    const auto& parts = scene_->world.parts();
+    std::optional<Proximity> nearest;
+    for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
+      for (const auto& part : robot_.bodies()[i].parts) {
+        move_shape(part, frames_[i], moved_);
+        const Box2 box = bounding_box(moved_);
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+          const Piece& o = obstacles_[k];
+          if (nearest && box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) > nearest->distance) continue;
+          const double d = distance(moved_, parts[k].shape);
+          const std::size_t obstacle = parts[k].obstacle;
+          const bool before =
+              !nearest || d < nearest->distance || (d == nearest->distance && obstacle < nearest->obstacle);
+          if (!before) continue;
+          nearest = Proximity{obstacle, d};
+          if (d <= 0.0) continue;
+          const Vec2 point = nearest_point(moved_, parts[k].shape);
+          nearest->point = Vec3{point.x, point.y, 0.0};
+        }
+      }
+    }
+    return nearest;
+  }
+
   /// The maximum of the bounds of all overlaps. If two convex shapes overlap by a depth p, their projections overlap in
   /// every direction by at least p: they have no separating direction before points of the robot have moved by p.
   [[nodiscard]] double invalid_radius(View q) const override {

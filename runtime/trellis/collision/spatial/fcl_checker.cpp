@@ -352,18 +352,29 @@ class SpatialFclChecker final : public Checker {
     return std::max(obstacle_distance(pose, best), 0.0);
   }
 
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override {
+    if (obstacles_.empty()) return std::nullopt;
+    const Pose3 pose = robot_.pose(q);
+    if (const auto met = met_obstacle(pose)) return Proximity{*met, 0.0};
+    Proximity nearest{0, std::numeric_limits<double>::infinity()};
+    for (const Piece& piece : pieces_) {
+      const Pose3 at = pose * piece.solid.pose;
+      const Box3 box = box_at(piece, Turn(at));
+      for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+        if (gap_between(box, boxes_[i]) > nearest.distance) continue;
+        const Proximity found = proximity(piece, at, i);
+        const bool before =
+            found.distance < nearest.distance || (found.distance == nearest.distance && i < nearest.obstacle);
+        if (before) nearest = found;
+      }
+    }
+    return nearest;
+  }
+
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     if (valid(q)) return std::nullopt;
-    const Pose3 pose = robot_.pose(q);
-    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-      for (const Piece& piece : pieces_) {
-        const Pose3 at = pose * piece.solid.pose;
-        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at, scale_), i))
-          return Contact{0, i};
-      }
-    }
-    return Contact{0, std::nullopt};
+    return Contact{0, met_obstacle(robot_.pose(q))};
   }
 
  private:
@@ -384,6 +395,47 @@ class SpatialFclChecker final : public Checker {
       if (!(margin >= -slack_)) return margin;
     }
     return margin;
+  }
+
+  /// Returns the first obstacle that the robot at a pose meets.
+  [[nodiscard]] std::optional<std::size_t> met_obstacle(const Pose3& pose) const {
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+      for (const Piece& piece : pieces_) {
+        const Pose3 at = pose * piece.solid.pose;
+        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at, scale_), i)) return i;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Returns the distance of a point from a piece, of a mesh from its surface, in metres.
+  /// \param into  the inverse of the piece's pose
+  [[nodiscard]] static double distance_from(const Piece& piece, const Pose3& into, const Vec3& p) {
+    return piece.model != nullptr ? piece.model->distance.to_surface(into(p))
+                                  : distance_to({piece.solid.shape, {}}, into(p));
+  }
+
+  /// Returns the distance of an obstacle from a piece of the robot that does not meet it. A nearest point of FCL, whose
+  /// iterations end early, counts only if it lies on the obstacle and has that distance.
+  [[nodiscard]] Proximity proximity(const Piece& piece, const Pose3& at, std::size_t i) const {
+    if (robot_.is_point() && obstacles_[i].model != nullptr) {
+      const Vec3 p = at.position;
+      const Vec3 point = obstacles_[i].solid.pose(obstacles_[i].model->distance.nearest(inverses_[i](p)));
+      return {i, norm(p - point), point};
+    }
+    fcl::DistanceRequestd request;
+    request.enable_nearest_points = true;
+    fcl::DistanceResultd result;
+    fcl::distance(piece.geometry.get(), transform(at, scale_), obstacles_[i].geometry.get(), frames_[i], request,
+                  result);
+    Proximity found{i, std::max(result.min_distance / scale_, 0.0)};
+    const Vector3& q = result.nearest_points[1];
+    const Vec3 point{q.x() / scale_, q.y() / scale_, q.z() / scale_};
+    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) return found;
+    const double tolerance = 1e-4 * found.distance + 1e-5 / scale_;
+    if (distance_from(obstacles_[i], inverses_[i], point) > tolerance) return found;
+    if (std::abs(distance_from(piece, at.inverse(), point) - found.distance) <= tolerance) found.point = point;
+    return found;
   }
 
   /// The distances on a motion. What FCL's distances cannot certify, since their iterations end early, is decided by
