@@ -15,6 +15,7 @@
 
 #include <dsl/language/configuration.hpp>
 #include <dsl/language/instance_value.hpp>
+#include <dsl/language/known_value.hpp>
 #include <dsl/language/scene_values.hpp>
 #include <dsl/lua/digest.hpp>
 #include <trellis/guide/pieces.hpp>
@@ -40,7 +41,7 @@ const Settings<GuidingSpaceSettings>& guiding_space_settings() {
   return settings;
 }
 
-constexpr const char* takes_instance = "fun(instance: trellis.Instance): ";
+constexpr const char* takes_instance = "fun(instance: trellis.Instance, known: trellis.Known): ";
 
 const Construct& guiding_space_construct() {
   const std::string by_instance = takes_instance;
@@ -56,7 +57,7 @@ const Construct& guiding_space_construct() {
            {"space", "string[]|trellis.Space|" + by_instance + "string[]|trellis.Space",
             "a space, a list of names of axes of C, or a function",
             "S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias without a "
-            "space; C's own space by default"},
+            "space; C's own space by default; the same space in each call"},
            {"project", "fun(...: number): number", "a function",
             "f: called with the coordinates of a configuration of C, returns those of one of S; by default S has axes "
             "of C with their names, and f selects them"},
@@ -69,7 +70,10 @@ const Construct& guiding_space_construct() {
             "validity in S; a function is called with the coordinates of every configuration that is checked, "
             "which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed"},
            {"robot", "trellis.Robot|" + by_instance + "trellis.Robot", "a robot, or a function that returns one",
-            "checked for collisions in S; by default C's"},
+            "checked for collisions in S; by default C's; a function with a second parameter is called again, with "
+            "what is "
+            "known about C, when h is stale and when the guide's turn in a sequence comes; so are those of 'space', "
+            "'world' and 'graph'"},
            {"world", "trellis.World|" + by_instance + "trellis.World", "a world, or a function that returns one",
             "that the robot is checked in; by default C's"},
            {"graph",
@@ -251,6 +255,13 @@ bool fits(Slot slot, Value value) {
   }
 }
 
+/// Whether an entry is a function of the instance that has a second parameter: what is known about C.
+bool takes_known(Stack& call, Slot slot, Value value) {
+  if (slot != Slot::space && slot != Slot::robot && slot != Slot::world && slot != Slot::graph) return false;
+  const auto definition = call.definition(value);
+  return definition && (definition->parameters > 1 || definition->variadic);
+}
+
 /// Rejects entries that contradict each other, or require another one.
 void check_together(const GuideDefinition& definition) {
   const auto given = [&](Slot slot) { return definition[slot] != nullptr; };
@@ -308,6 +319,7 @@ GuideClaims claims_of(const GuideDefinition& definition) {
   }
   if (given(Slot::observe)) claims.feedback = function(Slot::observe) + " receives each outcome";
   if (given(Slot::stale)) claims.feedback += "; 'stale' decides when S is solved again";
+  if (definition.uses_known()) claims.feedback += "; f is applied again to what is known about C";
   return claims;
 }
 
@@ -373,6 +385,7 @@ int make_guiding_space(Stack& call, const std::shared_ptr<GuideBook>& book) {
     if (!fits(slot, value)) arguments.reject(std::string(slot_name(slot)));
     definition->types[i] = value.type();
     definition->values[i] = std::make_shared<const lua::Reference>(call, value);
+    definition->known[i] = takes_known(call, slot, value);
     if (slot == Slot::valid) definition->validity = value.string().value_or("");
     if (slot == Slot::space && value.type() == Type::table) {
       const lua::Keys keys = value.keys();
@@ -497,6 +510,7 @@ std::vector<const Construct*> guiding_space_constructs() {
 std::vector<ObjectType> guiding_space_types() {
   const std::string configuration = "number[]";
   std::vector<ObjectType> types = instance_types();
+  for (ObjectType& type : known_types()) types.push_back(std::move(type));
   types.push_back({"trellis.Found", "what the search of S found", "", {}, {}});
   types.back().members = {
       {"solved", "boolean", "", "whether it found a path"},
@@ -515,6 +529,7 @@ std::vector<ObjectType> guiding_space_types() {
 
 void open_guiding_space(Stack& stack, const std::shared_ptr<GuideBook>& book) {
   open_instance(stack);
+  open_known(stack);
   stack.push_function([book](Stack& call) { return make_guiding_space(call, book); });
   stack.set_global(guiding_space_construct().name);
   for (const auto& [construct, make] : std::vector<std::pair<const Construct*, int (*)(Stack&)>>{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -49,13 +50,18 @@ struct GuideDefinition {
   std::shared_ptr<const lua::Reference> table;  ///< its source table
   std::array<std::shared_ptr<const lua::Reference>, slots> values;  ///< nullptr: not given
   std::array<lua::Type, slots> types{};
-  std::string validity;    ///< "free" or "parent" where `valid` has that value
-  bool spaceless = false;  ///< S = {0}
+  std::array<bool, slots> known{};  ///< functions that make S of what is known: they take it as their second argument
+  std::string validity;             ///< "free" or "parent" where `valid` has that value
+  bool spaceless = false;           ///< S = {0}
 
   [[nodiscard]] const lua::Reference* operator[](Slot slot) const {
     return values[static_cast<std::size_t>(slot)].get();
   }
   [[nodiscard]] bool calls(Slot slot) const { return types[static_cast<std::size_t>(slot)] == lua::Type::function; }
+  /// Whether a function makes S of what is known about C.
+  [[nodiscard]] bool uses_known() const {
+    return std::any_of(known.begin(), known.end(), [](bool takes) { return takes; });
+  }
 };
 
 /// Which functions of a guide were called, in any run.

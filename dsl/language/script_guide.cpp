@@ -16,6 +16,7 @@
 #include <dsl/language/configuration.hpp>
 #include <dsl/language/guiding_space.hpp>
 #include <dsl/language/instance_value.hpp>
+#include <dsl/language/known_value.hpp>
 #include <dsl/language/scene_values.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/goal_choice.hpp>
@@ -363,7 +364,7 @@ class OutcomeTable {
     if (!table_) make(stack);
     table_->push(stack);
     const Value table = stack.top();
-    stack.push(outcome.fate == Fate::reached ? "reached" : outcome.fate == Fate::advanced ? "advanced" : "rejected");
+    stack.push(fate_name(outcome.fate));
     stack.set_field(table, "fate");
     stack.push(mine);
     stack.set_field(table, "mine");
@@ -473,6 +474,8 @@ class ScriptGuide final : public Guide {
       : calls_(std::move(calls)), checking_(site.seed, site.key, "check lift") {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override;
+  [[nodiscard]] bool uses_known() const override { return calls_->definition().uses_known(); }
+  std::unique_ptr<Instance> project_from(const Instance& parent, const Known& known) override;
   void attach(Instance& sub) override { sub_ = &sub; }
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
@@ -484,13 +487,18 @@ class ScriptGuide final : public Guide {
   void before_resolve() override {
     if (validity_) validity_->changed();
   }
+  [[nodiscard]] Configurations refuted_places() const override { return refuted_; }
+  /// Records where an outcome refuted h, for guides that make S of what is known.
+  void refute(View place) {
+    if (uses_known()) refuted_.push(place);
+  }
 
   /// Converts the values on the stack, from 1 on, to h.
   Returned read_returned(Stack& stack) const;
   std::unique_ptr<Heuristic> make(const Returned& returned);
 
  private:
-  /// Calls a function with an instance and one result; or returns a constant.
+  /// Calls a function with an instance, and with what is known if it takes that, and one result; or returns a constant.
   template <class Read>
   void with_value(Slot slot, Instance& parent, const Read& read) const;
   void make_space(Instance& parent);
@@ -509,6 +517,8 @@ class ScriptGuide final : public Guide {
   std::optional<Space> s_;
   bool identity_ = false;  ///< S has the axes of C, and f is the identity
   std::shared_ptr<ScriptValidity> validity_;
+  std::shared_ptr<KnownAccess> known_ = std::make_shared<KnownAccess>();  ///< while f is applied to what is known
+  Configurations refuted_{0};                                             ///< places of C where outcomes refuted h
   Instance* parent_ = nullptr;
   Space c_;
   Configuration c_start_;  ///< empty before f is applied
@@ -522,7 +532,9 @@ class ScriptGuide final : public Guide {
 };
 
 void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
+  const bool was_stale = h_->stale();
   h_->observe(outcome, mine);
+  if (!was_stale && !outcome.blocked_at.empty() && h_->stale()) guide_.refute(outcome.blocked_at);
   if (!calls_->has(Slot::observe)) return;
   ++reported_;
   std::optional<Returned> returned;
@@ -574,7 +586,9 @@ void ScriptGuide::with_value(Slot slot, Instance& parent, const Read& read) cons
       slot, value, [&] { return std::string(slot_name(slot)); },
       [&](Stack& stack) {
         push_instance(stack, parent, asked);
-        return 1;
+        if (!calls_->definition().known[static_cast<std::size_t>(slot)]) return 1;
+        push_known(stack, known_);
+        return 2;
       },
       [&](Stack& stack) {
         if (stack.size() == 0) throw Located("it returned nothing");
@@ -594,7 +608,8 @@ void ScriptGuide::make_space(Instance& parent) {
   }
   if (calls_->has(Slot::lift)) {
     projection_ = std::make_shared<const ScriptProjection>(calls_, parent.space, *s_);
-    check_fibres(*projection_, parent.space, *s_, checking_);
+    // f of a configuration remains the same where f is applied to what is known.
+    if (!uses_known() || sub_ == nullptr) check_fibres(*projection_, parent.space, *s_, checking_);
   }
 }
 
@@ -719,6 +734,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
     c_start_ = parent.start;
     reached_.emplace(c_, c_start_);
     learnt_ = Configurations(c_.dimension());
+    refuted_ = Configurations(c_.dimension());
   }
   if (calls_->definition().spaceless) return nullptr;
   // Checks by the functions count in the level that they create.
@@ -758,6 +774,12 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   sub_ = sub.get();
   begin_in_s();
   return sub;
+}
+
+std::unique_ptr<Instance> ScriptGuide::project_from(const Instance& parent, const Known& known) {
+  const KnownAccess::Scope scope(*known_);
+  known_->known = &known;
+  return project(parent);
 }
 
 void ScriptGuide::begin_in_s() {

@@ -65,11 +65,15 @@ std::optional<Definition> Stack::definition(Value function) {
   room(state_);
   lua_pushvalue(state_, function.index());
   lua_Debug about{};
-  lua_getinfo(state_, ">S", &about);
+  lua_getinfo(state_, ">Su", &about);
   if (std::string_view(about.what) == "C") return {};
   const bool marked = about.source[0] == '@' || about.source[0] == '=';
-  return Definition{marked ? about.source + 1 : about.source, about.source[0] == '@', about.linedefined,
-                    about.lastlinedefined};
+  return Definition{marked ? about.source + 1 : about.source,
+                    about.source[0] == '@',
+                    about.linedefined,
+                    about.lastlinedefined,
+                    about.nparams,
+                    about.isvararg != 0};
 }
 
 void Stack::push_nil() {

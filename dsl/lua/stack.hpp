@@ -47,6 +47,8 @@ struct Definition {
   bool file = false;  ///< the chunk is a file
   int first = 0;
   int last = 0;
+  int parameters = 0;     ///< without "..."
+  bool variadic = false;  ///< has "..."
 };
 
 /// The view of Lua in one call: its arguments, and a stack for results. At the return of the call, Lua drops all pushed

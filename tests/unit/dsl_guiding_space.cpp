@@ -9,6 +9,7 @@
 #include <dsl/language/guiding_space.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/ablation.hpp>
 
 #include "support/catch.hpp"
@@ -345,6 +346,88 @@ TEST_CASE("what is wrong with a question to the instance is said") {
       run_failure("(function() local kept return guiding_space { name = 'g', robot = function(i) kept = i return "
                   "i.robot end, heuristic = function() kept:valid(1, 1, 0) end } end)()"),
       Contains("instance:valid: the call that this instance was given to is over"));
+}
+
+TEST_CASE("f is applied again to what is known where h is stale") {
+  // S presumes that everything is valid, so that C refutes the path; then the wall of C is a wall of S too.
+  const RunRecord run = run_of(
+      "(function() local calls, last = 0, 0\n"
+      "return guiding_space { name = 'learning', resolves = 3, world = function(instance, known)\n"
+      "    calls = calls + 1\n"
+      "    assert((#known.samples > 0) == (calls > 1) and #known.new == #known.samples - last)\n"
+      "    last = #known.samples\n"
+      "    if calls == 1 then return world { bounds = instance.world.bounds } end\n"
+      "    local blocked = 0\n"
+      "    for _, sample in ipairs(known.samples) do\n"
+      "      assert(#sample.q == 3 and (sample.node == nil) == (sample.fate == 'rejected'))\n"
+      "      assert(type(sample.mine) == 'boolean')\n"
+      "      if sample.blocked_at then blocked = blocked + 1 end\n"
+      "    end\n"
+      "    assert(blocked > 0 and #known.paths == 1 and known.paths[1].guide == 'learning')\n"
+      "    assert(#known.paths[1].path > 1 and #known.paths[1].path[1] == 3)\n"
+      "    assert(#known.refuted == 1 and #known.refuted[1] == 3)\n"
+      "    assert(tostring(known) == 'a record of C' and known.samples == known.samples)\n"
+      "    return instance.world end } end)()",
+      "g >> rrt { bound = 0 }");
+  CHECK(run.solved);
+  REQUIRE(run.levels.size() == 2);
+  CHECK(run.levels[1].solves > 1);
+  const auto& resolves = run.levels[1].resolves;
+  CHECK(resolves.rejections + resolves.invalid_path == run.levels[1].solves - 1);
+  CHECK(planar(*run.levels[1].scene).world.obstacles().size() == 1);
+}
+
+TEST_CASE("with turns of one sample a graph of a script grows by that sample") {
+  const std::string growing =
+      "(function() local last\n"
+      "local function growing(name) return guiding_space { name = name, space = {'x', 'y'}, graph = function(i, "
+      "known)\n"
+      "  local n = #known.samples\n"
+      "  if last and n ~= (n == 0 and 0 or last + 1) then error(n .. ' samples after ' .. last) end\n"
+      "  last = n\n"
+      "  local vertices, edges = { {i.start[1], i.start[2]}, {i.goal[1], i.goal[2]} }, { {1, 2} }\n"
+      "  for _, sample in ipairs(known.samples) do\n"
+      "    vertices[#vertices + 1] = {sample.q[1], sample.q[2]}\n"
+      "    edges[#edges + 1] = {1, #vertices, 0} edges[#edges + 1] = {#vertices, 2, 1 / #vertices}\n"
+      "  end\n"
+      "  return { vertices = vertices, edges = edges, start = 1, goal = 2 } end } end\n"
+      "return sequence { growing('a'), growing('b'), turn = 1 } end)()";
+  const RunRecord run =
+      run_of(growing, "g >> rrt { bound = 0, goal_bias = 0, uniform = 0, connect_goal = false, proposals = 15 }");
+  REQUIRE(run.levels.size() == 3);
+  CHECK(run.levels[0].search.proposals.size() == 15);
+  CHECK(run.levels[1].resolves.new_turn == 7);
+  CHECK(run.levels[2].resolves.new_turn == 6);
+  // The path leads by the latest sample, whose edge costs least.
+  const View sample = run.levels[0].search.proposals[13];
+  const Configurations& path = run.levels[1].solution.path;
+  REQUIRE(path.size() == 3);
+  CHECK(path[1][0] == sample[0]);
+  CHECK(path[1][1] == sample[1]);
+}
+
+TEST_CASE("a function without a second parameter is called once, and what is known ends with its call") {
+  const auto fails = [](const std::string& guide, const std::string& strategy = "g >> rrt { bound = 0 }") {
+    return run_failure(
+        "(function() local calls, kept = 0 return guiding_space { name = 'g', resolves = 3, " + guide + " } end)()",
+        strategy);
+  };
+  const std::string open = "return world { bounds = i.world.bounds } end";
+  CHECK(fails("world = function(i) calls = calls + 1 assert(calls == 1) " + open) == "");
+  CHECK_THAT(fails("world = function(i, known) calls = calls + 1 assert(calls == 1) " + open), Contains("assertion"));
+  CHECK_THAT(fails("world = function(i, ...) calls = calls + 1 assert(calls == 1) " + open), Contains("assertion"));
+  CHECK_THAT(
+      fails("world = function(i, known) kept = known " + open + ", heuristic = function() return kept.samples end"),
+      Contains("heuristic: test.lua:3: known.samples: the call that it was given to is over"));
+  CHECK_THAT(fails("world = function(i, known) return known.sample end"),
+             Contains("known has no field \"sample\" (did you mean 'samples'?); it has: samples, new, paths, refuted"));
+  CHECK_THAT(fails("world = function(i, known) known.samples = {} end"), Contains("a record of C cannot be changed"));
+  // A level keeps its space.
+  CHECK_THAT(fails("valid = 'free', space = function(i, known) return #known.samples == 0 and {'x', 'y'} or {'x'} end"),
+             Contains("in g >> rrt, level 1 (problem 'room', seed 1): f is applied again, and S is another space than "
+                      "before"));
+  CHECK_THAT(strategy_of("guiding_space { name = 'g', world = function(i, known) return i.world end }").json(),
+             Contains("\"custom\""));
 }
 
 TEST_CASE("guides whose functions keep other shapes are different") {

@@ -37,8 +37,8 @@ ConvexShape rectangle_polygon(const Box2& box) { return Polygon{rectangle_vertic
 
 std::uint64_t resolves(const LevelRecord& level) {
   const Resolves& of = level.resolves;
-  return of.invalid_path + of.rejections + of.lost_place + of.presumed_valid + of.changed_world + of.further_path +
-         of.refuted_path;
+  return of.invalid_path + of.rejections + of.lost_place + of.presumed_valid + of.changed_world + of.new_turn +
+         of.further_path + of.refuted_path;
 }
 
 void check_run(const Problem& problem, const RunRecord& run) {

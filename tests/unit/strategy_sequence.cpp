@@ -2,11 +2,14 @@
 // a .. b: when a turn ends, and the information from one space to the next.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <trellis/base/error.hpp>
+#include <trellis/guide/custom.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/informed_path.hpp>
@@ -85,6 +88,80 @@ struct Three {
     }
     return drew;
   }
+};
+
+/// What the applications of f of all such guides of a run received, in their order.
+struct Applications {
+  std::vector<Known> known;
+  std::vector<Configurations> vertices;  ///< of S
+};
+
+/// A guide whose S is a graph of the samples of C: start, goal, and each sample, each connected to the start and the
+/// goal. h is uniform, and stale after three rejections.
+class SampleGraph final : public Guide {
+ public:
+  explicit SampleGraph(Applications& applications) : applications_(applications) {}
+  std::unique_ptr<Instance> project(const Instance&) override { throw Fault("f needs what is known"); }
+  [[nodiscard]] bool uses_known() const override { return true; }
+  std::unique_ptr<Instance> project_from(const Instance& parent, const Known& known) override {
+    auto sub = std::make_unique<Instance>(parent);
+    sub->checks = {};
+    sub->graph = std::make_shared<Graph>();
+    Graph& graph = *sub->graph;
+    graph.vertices = Configurations(parent.space.dimension());
+    graph.start = graph.vertices.push(parent.start);
+    graph.goals = {graph.vertices.push(parent.goal())};
+    graph.edges.push_back({graph.start, graph.goals.front(), parent.space.distance(parent.start, parent.goal()), {}});
+    for (const Known::Sample& sample : known.samples) {
+      const std::uint32_t vertex = graph.vertices.push(sample.q);
+      for (const std::uint32_t end : {graph.start, graph.goals.front()}) {
+        graph.edges.push_back({end, vertex, parent.space.distance(graph.vertices[end], sample.q), {}});
+      }
+    }
+    applications_.known.push_back(known);
+    applications_.vertices.push_back(graph.vertices);
+    return sub;
+  }
+  void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
+  void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
+  [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
+    return std::make_unique<Along>(parent.space, found->path);
+  }
+
+ private:
+  /// Uniform; its path is the one that was found.
+  class Along final : public Heuristic {
+   public:
+    Along(const Space& space, Configurations path) : uniform_(space), path_(std::move(path)) {}
+    Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
+    [[nodiscard]] std::vector<std::string> sources() const override { return {"samples"}; }
+    [[nodiscard]] Configurations lifted_path() const override { return path_; }
+    void observe(const Outcome& outcome, bool mine) override {
+      if (mine && outcome.fate == Fate::rejected) ++rejected_;
+    }
+    [[nodiscard]] bool stale() const override { return rejected_ >= 3; }
+
+   private:
+    UniformGuidance uniform_;
+    Configurations path_;
+    int rejected_ = 0;
+  };
+
+  Applications& applications_;
+};
+
+class SampleGraphSpec final : public CustomGuide {
+ public:
+  SampleGraphSpec(Applications& applications, const std::string& name)
+      : CustomGuide({.name = name, .identity = name, .default_planner = "graph_search", .resolves = 10}),
+        applications_(applications) {}
+  [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite&) const override {
+    return std::make_unique<SampleGraph>(applications_);
+  }
+
+ private:
+  Applications& applications_;
 };
 
 GuideSpec guide(const std::string& name, const std::vector<Options::Entry>& given = {}) {
@@ -178,6 +255,65 @@ TEST_CASE("in a sequence, another path in one space gives another search of the 
     }
   }
   CHECK(pairs > 40);
+}
+
+TEST_CASE("with turns of one sample each space differs from the one before by that sample", "[strategy][sequence]") {
+  const auto problem = test::simple_passage_problem();
+  Applications applications;
+  const auto part = [&](const std::string& name) {
+    return GuideSpec::make(std::make_shared<SampleGraphSpec>(applications, name));
+  };
+  const std::int64_t proposals = 20;
+  const RunRecord run =
+      execute(sequence({part("a"), part("b")}, 1) >> PlannerSpec::make("rrt", {{"proposals", proposals},
+                                                                               {"bound", 0.0},
+                                                                               {"goal_bias", 0.0},
+                                                                               {"uniform", 0.0},
+                                                                               {"connect_goal", false}}),
+              problem, 3);
+  const Search& c = run.levels.front().search;
+  REQUIRE(c.proposals.size() == 20);
+  // f of each guide is applied once before any sample, and once for each turn after the first one.
+  REQUIRE(applications.known.size() == 2 + 19);
+  CHECK(applications.known[0].samples.empty());
+  for (std::size_t i = 1; i < applications.known.size(); ++i) {
+    CAPTURE(i);
+    const Known& known = applications.known[i];
+    // S_(i+1) has the vertices of S_i and the one sample.
+    REQUIRE(known.samples.size() == i - 1);
+    const auto& before = applications.vertices[i - 1].values();
+    const auto& after = applications.vertices[i].values();
+    REQUIRE(after.size() == before.size() + (i > 1 ? 3 : 0));
+    CHECK(std::equal(before.begin(), before.end(), after.begin()));
+    if (i < 2) continue;
+    const Known::Sample& sample = known.samples.back();
+    CHECK(std::equal(sample.q.begin(), sample.q.end(), c.proposals[i - 2].begin(), c.proposals[i - 2].end()));
+    CHECK(sample.fate == c.fates[i - 2]);
+    CHECK(sample.node.empty() == (sample.fate == Fate::rejected));
+    CHECK(sample.blocked_at.empty() != (sample.fate == Fate::rejected));
+    // The guide drew every second one of them, and both were new to it but at the beginning.
+    CHECK_FALSE(sample.mine);
+    CHECK(known.samples.size() - known.new_from == (i == 2 ? 1 : 2));
+    // Each guide learns the path of the other one, once there is one.
+    REQUIRE(known.paths.size() == (i < 3 ? 1 : 2));
+    CHECK(known.paths.front().guide == "a");
+  }
+  CHECK(run.levels[1].resolves.new_turn + run.levels[2].resolves.new_turn == 18);
+  CHECK(run.levels[1].solves + run.levels[2].solves == 20);
+}
+
+TEST_CASE("f is applied again to what is known where h is stale", "[strategy]") {
+  const auto problem = test::simple_passage_problem();
+  Applications applications;
+  const RunRecord run = execute(GuideSpec::make(std::make_shared<SampleGraphSpec>(applications, "a")) >>
+                                    unbounded({{"proposals", std::int64_t{60}}}),
+                                problem, 1);
+  REQUIRE(applications.known.size() > 2);
+  CHECK(run.levels[1].resolves.rejections == applications.known.size() - 1);
+  for (std::size_t i = 1; i < applications.known.size(); ++i) {
+    CHECK(applications.known[i].samples.size() > applications.known[i - 1].samples.size());
+    CHECK(applications.known[i].new_from == applications.known[i - 1].samples.size());
+  }
 }
 
 TEST_CASE("a search that is informed finds its path in fewer proposals", "[strategy][sequence]") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -24,6 +25,30 @@ class Heuristic : public Guidance {
   [[nodiscard]] virtual Configurations lifted_path() const { return {}; }
 };
 
+/// What is known about C when f is applied.
+struct Known {
+  /// A proposal in C and its result.
+  struct Sample {
+    Configuration q;
+    Fate fate = Fate::rejected;
+    Configuration node;        ///< the node that was added; empty if none
+    Configuration blocked_at;  ///< the first configuration found invalid; empty if none
+    bool mine = false;         ///< whether this guide drew it
+  };
+  /// The path that a guide of C follows, lifted to C.
+  struct Path {
+    std::string guide;
+    Configurations points;
+  };
+  std::vector<Sample> samples;  ///< in the order of the proposals
+  std::size_t new_from = 0;     ///< number of samples that were known when f was last applied
+  std::vector<Path> paths;      ///< of all guides of C that follow one, this guide included
+  Configurations refuted;       ///< places of C that evidence refuted
+
+  /// Whether there are samples since f was last applied.
+  [[nodiscard]] bool has_new() const { return samples.size() > new_from; }
+};
+
 /// A guiding space (f, h) for one instance in C. It lives as long as the run; its space may be solved many times.
 /// Parameters q have the dimension of C, parameters s that of S; neither is checked.
 class Guide {
@@ -33,6 +58,17 @@ class Guide {
   /// f of the whole instance, with all its goals (project_ends): the instance in S; nullptr if S = {0}. Called again
   /// after the parent's world changed; the guide keeps what it has learned.
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
+  /// Whether f depends on what is known about C. Then `project_from` is called in place of the function above, and
+  /// again before S is solved again because h is stale, and when the guide's turn in a sequence or a schedule comes
+  /// after new samples.
+  [[nodiscard]] virtual bool uses_known() const { return false; }
+  /// f of the whole instance, made of what is known. The space S must be the same each time; world, robot, validity and
+  /// graph may differ.
+  /// \param known  valid during the call only
+  virtual std::unique_ptr<Instance> project_from(const Instance& parent, const Known& known) {
+    static_cast<void>(known);
+    return project(parent);
+  }
   /// Passes the object that owns the instance made by `project` from now on.
   virtual void attach(Instance& sub) { static_cast<void>(sub); }
   /// f of one configuration. Not called where S = {0}.

@@ -17,12 +17,13 @@ struct ResolveReason {
   const char* text;  ///< in reports
   std::uint64_t Resolves::*count;
 };
-inline constexpr std::array<ResolveReason, 7> resolve_reasons = {{
+inline constexpr std::array<ResolveReason, 8> resolve_reasons = {{
     {"invalid_path", "its path proved invalid in C", &Resolves::invalid_path},
     {"rejections", "C rejected guided proposals", &Resolves::rejections},
     {"lost_place", "another level refuted a place on its path", &Resolves::lost_place},
     {"presumed_valid", "a configuration that it presumes valid is invalid", &Resolves::presumed_valid},
     {"changed_world", "its obstacles changed", &Resolves::changed_world},
+    {"new_turn", "its turn came with new samples", &Resolves::new_turn},
     {"further_path", "its guide asked for another path", &Resolves::further_path},
     {"refuted_path", "its path could not be certified", &Resolves::refuted_path},
 }};

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <trellis/guide/custom.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
@@ -28,7 +32,8 @@ class ComponentGuidance final : public SearchedGuidance {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
     make(key);
-    auto sub = located([&] { return guide_->project(parent_.instance()); });
+    if (guide_->uses_known()) known_.emplace();
+    auto sub = project();
     run.clock.switch_to(above);
     if (!sub) return;
     const PlannerSpec planner = planner_for(spec, *sub);
@@ -54,6 +59,8 @@ class ComponentGuidance final : public SearchedGuidance {
     if (heuristic_ && level_ && parent_.instance().scene != projected_ && !std::exchange(renewing_, true)) {
       renewed_for_ = &Resolves::changed_world;
     }
+    // Its turn came after new samples.
+    if (heuristic_ && again_ && !std::exchange(renewing_, true)) renewed_for_ = &Resolves::new_turn;
     const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
     // A refuted h remains refuted, whatever has changed since.
     if (heuristic_ && !renewing_ && outdated && !renewable()) make_heuristic();
@@ -70,16 +77,18 @@ class ComponentGuidance final : public SearchedGuidance {
         renewed_for_ = refuted_by_;
         --resolves_left_;
         guide_->before_resolve();
+        again_ = known_.has_value();
       }
-      if (parent_.instance().scene != projected_) project_again();
+      if (!std::exchange(searched_, true)) again_ = known_ && known_->has_new();
+      if (again_ || parent_.instance().scene != projected_) project_again();
       tell();
       const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
       const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
       if (advance == Advance::unfinished) return advance;
       const bool again = std::exchange(renewing_, false);
       found_ = advance == Advance::found;
-      // Without another path, further solves are useless; the earlier path may still guide.
-      if (again && !found_) {
+      // Without another path, further solves are useless, except with new samples; the earlier path may still guide.
+      if (again && !found_ && renewed_for_ != &Resolves::new_turn) {
         resolves_left_ = 0;
         guide_->no_other_path();
         level_->resolves().exhausted = true;
@@ -132,6 +141,7 @@ class ComponentGuidance final : public SearchedGuidance {
   }
 
   void observe(const Outcome& outcome, bool mine) override {
+    if (known_) remember(outcome, mine);
     guide_->learn(outcome);
     if (!heuristic_) return;
     heuristic_->observe(outcome, mine);
@@ -159,9 +169,14 @@ class ComponentGuidance final : public SearchedGuidance {
   }
 
   [[nodiscard]] Configurations refuted_places() const override { return guide_->refuted_places(); }
+  void add_paths(std::vector<Known::Path>& paths) const override {
+    Configurations path = guiding_path();
+    if (!path.empty()) paths.push_back({name_, std::move(path)});
+  }
 
   void inform(const Finding& finding) override {
     if (!level_) return;
+    again_ = again_ || (known_ && known_->has_new());
     for (std::size_t i = 0; i < finding.refuted.size(); ++i) lost(finding.refuted[i]);
     if (finding.path.empty()) return;
     const Space& space = level_->instance().space;
@@ -258,11 +273,40 @@ class ComponentGuidance final : public SearchedGuidance {
   }
 
   /// Applies f to the current instance.
-  void project_again() {
+  std::unique_ptr<Instance> project() {
     projected_ = parent_.instance().scene;
-    auto sub = located([&] { return guide_->project(parent_.instance()); });
+    again_ = false;
+    if (!known_) return located([&] { return guide_->project(parent_.instance()); });
+    known_->paths.clear();
+    known_->refuted = Configurations(parent_.instance().space.dimension());
+    // The guidance of C is not complete before all its parts are made.
+    if (const SearchedGuidance* all = parent_.guidance().guide()) {
+      all->add_paths(known_->paths);
+      if (Configurations refuted = all->refuted_places(); !refuted.empty()) known_->refuted = std::move(refuted);
+    }
+    auto sub = located([&] { return guide_->project_from(parent_.instance(), *known_); });
+    known_->new_from = known_->samples.size();
+    return sub;
+  }
+  void project_again() {
+    auto sub = project();
+    if (known_ && sub->space != level_->instance().space) {
+      located([&] {
+        throw Error(fmt::format("f is applied again, and S is another space than before ({}): a level keeps its space",
+                                level_->instance().space.name()));
+      });
+    }
     level_->replace_instance(std::move(sub));
     attach();
+  }
+
+  /// Stores the result of a proposal. Motions that the planner tries without one are no samples.
+  void remember(const Outcome& outcome, bool mine) {
+    const std::size_t proposals = parent_.record().search.fates.size();
+    if (std::exchange(proposals_, proposals) == proposals) return;
+    const auto copy = [](View q) { return Configuration(q.begin(), q.end()); };
+    known_->samples.push_back(
+        {copy(outcome.proposal), outcome.fate, copy(outcome.added), copy(outcome.blocked_at), mine});
   }
 
   /// Checks in C and work of the levels below.
@@ -302,6 +346,10 @@ class ComponentGuidance final : public SearchedGuidance {
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
+  std::optional<Known> known_;                                         ///< if f depends on it
+  std::size_t proposals_ = 0;                                          ///< of C, when the last outcome was received
+  bool again_ = false;                                                 ///< f is applied again before the next search
+  bool searched_ = false;                                              ///< the first search has begun
   std::uint64_t epoch_ = 0;                                            ///< without that of the heuristic
   std::shared_ptr<const Scene> projected_ = parent_.instance().scene;  ///< the scene that f was applied to
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
+#include <trellis/guide/guide.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/planner/guidance.hpp>
 #include <trellis/strategy/spec.hpp>
@@ -61,6 +62,8 @@ class SearchedGuidance : public Guidance {
   [[nodiscard]] virtual Configurations guiding_path() const { return {}; }
   /// Places in this level's space that evidence refuted.
   [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
+  /// Adds the current guiding paths of all its guides, in this level's space.
+  virtual void add_paths(std::vector<Known::Path>& paths) const { static_cast<void>(paths); }
   [[nodiscard]] Finding finding() const { return {guiding_path(), refuted_places()}; }
   /// Passes the findings of another guidance of this level to the searches below: they follow its path and exclude the
   /// refuted places.
@@ -145,6 +148,9 @@ class PartsGuidance : public SearchedGuidance {
       for (std::size_t i = 0; i < places.size(); ++i) all.push(std::as_const(places)[i]);
     }
     return all;
+  }
+  void add_paths(std::vector<Known::Path>& paths) const override {
+    for (const auto& part : parts_) part->add_paths(paths);
   }
   void inform(const Finding& finding) override {
     for (auto& part : parts_) part->inform(finding);
