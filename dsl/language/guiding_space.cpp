@@ -172,15 +172,15 @@ std::string solid_text(const Solid& solid) {
   const auto& [p, q] = solid.pose;
   const std::string shape = std::visit(
       [](const auto& s) {
-        if constexpr (requires { s->hash(); }) {
-          return fmt::format("mesh {:016x}", s->hash());
-        } else if constexpr (requires { s.size; }) {
-          return fmt::format("box {} {} {}", s.size.x, s.size.y, s.size.z);
-        } else if constexpr (requires { s.length; }) {
-          return fmt::format("{} {} {}", std::is_same_v<decltype(s), const Capsule&> ? "capsule" : "cylinder", s.radius,
-                             s.length);
-        } else {
+        using Shape = std::decay_t<decltype(s)>;
+        if constexpr (std::is_same_v<Shape, Sphere>) {
           return fmt::format("sphere {}", s.radius);
+        } else if constexpr (std::is_same_v<Shape, Cuboid>) {
+          return fmt::format("box {} {} {}", s.size.x, s.size.y, s.size.z);
+        } else if constexpr (std::is_same_v<Shape, Capsule> || std::is_same_v<Shape, Cylinder>) {
+          return fmt::format("{} {} {}", std::is_same_v<Shape, Capsule> ? "capsule" : "cylinder", s.radius, s.length);
+        } else {
+          return fmt::format("mesh {:016x}", s->hash());
         }
       },
       solid.shape);
