@@ -51,6 +51,17 @@ void append(const Trajectory& half, Trajectory& whole) {
   whole.steps.insert(whole.steps.end(), half.steps.begin(), half.steps.end());
 }
 
+/// Proposals of which one becomes the sub-goal: the valid one that minimises the longer of the distances to start and
+/// goal.
+struct Candidates {
+  static constexpr int wanted = 8;
+  static constexpr int most = 200;
+  int drawn = 0;
+  int valid = 0;
+  std::optional<Configuration> best;
+  double shortest = 0.0;
+};
+
 /// Divides an instance at a sub-goal, which lies on the guiding path or is a valid proposal, and solves both halves by
 /// the same strategy. If a half is not solved, tries other sub-goals; finally solves the undivided instance.
 class SplitSearch final : public Planner {
@@ -129,10 +140,9 @@ class SplitSearch final : public Planner {
 
   /// Ends a try: solves the halves at its sub-goal, if there is one. After the last try the instance is not divided.
   std::optional<Status> divide_at(const std::optional<Configuration>& sub_goal) {
-    const std::optional<Configuration> goal = sub_goal;
-    candidates_.reset();
     ++tries_;
-    if (goal) found_ = join(*goal, budget_);
+    if (sub_goal) found_ = join(*sub_goal, budget_);
+    candidates_.reset();
     if (found_) return Status::solved;
     return tries_ < settings_.tries ? std::nullopt : undivide();
   }
@@ -206,17 +216,6 @@ class SplitSearch final : public Planner {
     }
     return {};
   }
-
-  /// Proposals of which one becomes the sub-goal: the valid one that minimises the longer of the distances to start and
-  /// goal.
-  struct Candidates {
-    static constexpr int wanted = 8;
-    static constexpr int most = 200;
-    int drawn = 0;
-    int valid = 0;
-    std::optional<Configuration> best;
-    double shortest = 0.0;
-  };
 
   void draw_candidate() {
     Instance& instance = context_.instance;
