@@ -4,8 +4,8 @@
 --
 --   trellis run examples/known.lua
 
--- A point among obstacles that grow where C failed: each motion that was blocked widens the obstacle next to it, up to a
--- tenth of a metre. So gaps that the point passes and the robot does not close one after another.
+-- A point among obstacles that grow where C failed: each motion that was blocked widens the obstacle next to it, up to
+-- a tenth of a metre. So gaps that the point passes and the robot does not close one after another.
 local widened = guiding_space {
   name = "widened",
   space = { "x", "y" },
@@ -29,8 +29,8 @@ local widened = guiding_space {
   heuristic = function(found) return lifted(along(found.path, { radius = 0.3, evidence = 10 })) end,
 }
 
--- A roadmap of spaces: a graph of the nodes that C has, each connected to its neighbours and to the goal. A straight edge
--- to the goal costs more for each blocked motion near it, so the next path leaves the tree elsewhere.
+-- A roadmap of spaces: a graph of the nodes that C has, each connected to its neighbours and to the goal. A straight
+-- edge to the goal costs more for each blocked motion near it, so the next path leaves the tree elsewhere.
 local roadmap = guiding_space {
   name = "roadmap",
   space = { "x", "y" },
