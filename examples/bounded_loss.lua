@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- Guides that mislead, with the default bound and with bound = 2, by which a run costs at most twice what its planner
--- costs alone on that seed, and 500 checks. See docs/language.md, "What happens at each level".
+-- costs alone on that seed, 500, and one step. See docs/language.md, "What happens at each level".
 
 local open = problem {
   name = "open",

@@ -127,7 +127,9 @@ std::string outcome_text(const Run& run) {
   return text + fmt::format("not solved ({}) by {}", to_string(record.status), cost);
 }
 
-std::size_t level_at_work(const Run& run) { return run.last && !run.ended() ? run.last->level : 0; }
+std::size_t level_at_work(const Run& run) {
+  return run.last && !run.ended() ? static_cast<std::size_t>(std::max(run.last->level, 0)) : 0;
+}
 
 std::string where_text(const Run& run) {
   std::string end;

@@ -246,6 +246,16 @@ TEST_CASE("a run is stepped through, proposal by proposal") {
   CHECK_THAT(sitting.enter("run(1); step()"), Contains("the run has ended: solved"));
 }
 
+TEST_CASE("a run beside its unguided planner is stepped through and plotted") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("start(skeleton() >> shrink(0.5) >> rrt_connect { bound = 2 }, scenes.cup())");
+  // An error would end the loop before the run ends.
+  const std::string steps = sitting.enter("for i = 1, 90 do step() plot() end");
+  CHECK_THAT(steps, Contains("of level 0 without guides, searched by rrt_connect"));
+  CHECK_THAT(steps, Contains("the run has ended: solved"));
+}
+
 TEST_CASE("a script's strategies and problems are bound") {
   const Place place;
   place.script("two.lua",

@@ -504,8 +504,9 @@ void check_same(const RunRecord& a, const RunRecord& b) {
 
 TEST_CASE("a run that stops and continues is the run that never stops", "[executor][execution]") {
   const auto problem = test::cup_problem();
-  std::vector<StrategySpec> strategies = {rrt({{"connect_goal", false}}),
-                                          (guide("shrink") + guide("workspace")) >> rrt()};
+  std::vector<StrategySpec> strategies = {
+      rrt({{"connect_goal", false}}), (guide("shrink") + guide("workspace")) >> rrt(),
+      guide("gaussian") >> guide("skeleton") >> rrt(), guide("skeleton") >> guide("shrink") >> rrt({{"bound", 2.0}})};
   for (const char* planner : {"rrt", "rrt_connect", "prm", "lazy_prm", "rrt_star", "prm_star", "lazy_rrg_star"}) {
     strategies.push_back(guide("skeleton") >> guide("shrink") >> guide("lazy") >> PlannerSpec::make(planner, {}));
   }
@@ -522,7 +523,7 @@ TEST_CASE("a run that stops and continues is the run that never stops", "[execut
       while (!execution.advance([&] { return drawn >= stop; })) {
         REQUIRE(drawn == stop);
         stop += stride;
-        if (stride < 100) continue;
+        if (stride < 7) continue;
         // Its record changes nothing.
         const RunRecord so_far = execution.record();
         CHECK(so_far.status == Status::interrupted);
@@ -532,9 +533,12 @@ TEST_CASE("a run that stops and continues is the run that never stops", "[execut
           const Search& search = so_far.levels[i].search;
           proposals += search.proposals.size();
           CHECK(search.fates.size() == search.proposals.size());
-          CHECK(same(execution.level(i).search.nodes, search.nodes));
+          const Configurations& own = execution.level(i).search.nodes;
+          REQUIRE(own.size() <= search.nodes.size());
+          CHECK(std::equal(own.values().begin(), own.values().end(), search.nodes.values().begin()));
         }
         CHECK(proposals == drawn);
+        if (execution.companion() != nullptr) CHECK(execution.companion()->level == -1);
       }
       check_same(execution.record(), whole);
     }

@@ -50,10 +50,10 @@ const Settings<BestFirstSettings>& best_first_settings() {
   return settings;
 }
 
-class BestFirst final : public Planner {
+class BestFirst final : public GraphPlanner {
  public:
   BestFirst(const BestFirstSettings& settings, PlannerContext context)
-      : Planner(std::move(context)), settings_(settings), evaluated_(context_) {
+      : GraphPlanner(settings.samples, std::move(context)), settings_(settings) {
     if (settings_.model.empty()) return;
     model_ = known_search_model(settings_.model);
     if (!model_) {
@@ -79,20 +79,11 @@ class BestFirst final : public Planner {
       if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
       evaluated_.renew();
     }
-    drawing_ = context_.guided;
-    if (!drawing_) return begin_search();
-    evaluated_.begin_proposals(settings_.samples);
-    return std::nullopt;
+    return begin_drawing();
   }
 
-  /// The search draws no more proposals, so the limit of proposals must not end it.
-  [[nodiscard]] bool draws() const override { return drawing_; }
-
-  std::optional<Status> step() override {
-    if (drawing_) {
-      evaluated_.draw_proposal();
-      return evaluated_.proposals_left() > 0 ? std::nullopt : begin_search();
-    }
+ private:
+  std::optional<Status> search_step() override {
     BestFirstSearch& search = *paused_;
     const std::uint32_t v = search.open().begin()->vertex;
     if (search.expand(*search.open().begin()) && !context_.instance.graph->verified)
@@ -100,10 +91,7 @@ class BestFirst final : public Planner {
     return ended();
   }
 
-  /// The search uses the proposals drawn so far.
-  std::optional<Status> stopped(Status limit) override { return drawing_ ? begin_search() : std::optional(limit); }
-
-  [[nodiscard]] Solution solution(Status status) override {
+  [[nodiscard]] Solution found(Status status) override {
     const Graph& graph = *context_.instance.graph;
     BestFirstSearch& search = *paused_;
     std::vector<std::uint32_t> parent;
@@ -120,17 +108,13 @@ class BestFirst final : public Planner {
     return evaluated_.solution(parent, reached, status);
   }
 
- private:
   /// The status of a search that has ended.
   [[nodiscard]] std::optional<Status> ended() const {
     if (paused_->goal()) return Status::solved;
     return paused_->open().empty() ? std::optional(Status::no_path) : std::nullopt;
   }
 
-  /// Begins the search, or continues one that a limit ended.
-  std::optional<Status> begin_search() {
-    drawing_ = false;
-    evaluated_.end_proposals();
+  std::optional<Status> begin_search() override {
     if (!paused_ || context_.guided || version_ != evaluated_.version()) make_search();
     return ended();
   }
@@ -187,11 +171,9 @@ class BestFirst final : public Planner {
   }
 
   BestFirstSettings settings_;
-  EvaluatedGraph evaluated_;
   std::shared_ptr<const SearchModel> model_;
   std::vector<double> costs_;  ///< initial costs of the edges
   EvaluatedGraph::Version version_;
-  bool drawing_ = false;                   ///< proposals are drawn before the search
   std::optional<BestFirstSearch> paused_;  ///< of `version_`; the search until its solution is taken
 };
 

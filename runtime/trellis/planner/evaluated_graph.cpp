@@ -175,4 +175,26 @@ std::vector<char> EvaluatedGraph::reachable() const {
   return reached;
 }
 
+std::optional<Status> GraphPlanner::begin_drawing() {
+  drawing_ = context_.guided;
+  if (!drawing_) return begin_search();
+  evaluated_.begin_proposals(samples_);
+  return std::nullopt;
+}
+
+std::optional<Status> GraphPlanner::step() {
+  if (!drawing_) return search_step();
+  evaluated_.draw_proposal();
+  return evaluated_.proposals_left() > 0 ? std::nullopt : end_drawing();
+}
+
+Solution GraphPlanner::solution(Status status) {
+  return drawing_ ? Solution{status, path_of_start(context_.instance), {}} : found(status);
+}
+
+std::optional<Status> GraphPlanner::end_drawing() {
+  drawing_ = false;
+  return begin_search();
+}
+
 }  // namespace trellis

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <trellis/planner/loop.hpp>
@@ -69,8 +70,6 @@ class EvaluatedGraph {
   void draw_proposal();
   /// How many are left to draw.
   [[nodiscard]] std::int64_t proposals_left() const { return proposals_left_; }
-  /// Draws no more of them.
-  void end_proposals() { proposals_left_ = 0; }
   /// Counts for each vertex the proposals drawn that are nearest to it.
   struct Proposals {
     std::vector<double> hits;
@@ -110,6 +109,39 @@ class EvaluatedGraph {
   std::map<std::uint32_t, Configuration> blocked_;  ///< first invalid configuration of each invalid edge
   std::vector<std::uint32_t> rows_;                 ///< per vertex of an unverified graph: its node
   std::uint64_t epoch_ = 0;                         ///< epoch of the validity that `seen_` refers to
+};
+
+/// Shared by the planners of explicit graphs: where they are guided, each search draws its proposals first.
+class GraphPlanner : public Planner {
+ public:
+  /// The search draws no more proposals, so the limit of proposals must not end it.
+  [[nodiscard]] bool draws() const final { return drawing_; }
+  std::optional<Status> step() final;
+  /// The search uses the proposals drawn so far.
+  std::optional<Status> stopped(Status limit) final { return drawing_ ? end_drawing() : std::optional(limit); }
+  [[nodiscard]] Solution solution(Status status) final;
+
+ protected:
+  /// \param samples  proposals of each search where it is guided
+  GraphPlanner(std::int64_t samples, PlannerContext context)
+      : Planner(std::move(context)), evaluated_(context_), samples_(samples) {}
+
+  /// Begins to draw proposals; without a guide, begins the search.
+  std::optional<Status> begin_drawing();
+  /// Begins the search, or continues one that a limit ended. Returns the status if it ends here.
+  virtual std::optional<Status> begin_search() = 0;
+  /// Takes a step of the search. Returns the status if it ends.
+  virtual std::optional<Status> search_step() = 0;
+  /// The solution of the search, which has begun.
+  virtual Solution found(Status status) = 0;
+
+  EvaluatedGraph evaluated_;
+
+ private:
+  std::optional<Status> end_drawing();
+
+  std::int64_t samples_;
+  bool drawing_ = false;
 };
 
 }  // namespace trellis

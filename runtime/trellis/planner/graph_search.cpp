@@ -33,35 +33,15 @@ const Settings<GraphSearchSettings>& graph_search_settings() {
   return settings;
 }
 
-class GraphSearch final : public Planner {
+class GraphSearch final : public GraphPlanner {
  public:
   GraphSearch(const GraphSearchSettings& settings, PlannerContext context)
-      : Planner(std::move(context)), settings_(settings), evaluated_(context_) {}
+      : GraphPlanner(settings.samples, std::move(context)) {}
 
   std::optional<Status> begin(const Budget& budget) override {
     static_cast<void>(budget);
     if (evaluated_.begin()) paused_.reset();
-    drawing_ = context_.guided;
-    if (!drawing_) return begin_search();
-    evaluated_.begin_proposals(settings_.samples);
-    return std::nullopt;
-  }
-
-  /// The search draws no more proposals, so the limit of proposals must not end it.
-  [[nodiscard]] bool draws() const override { return drawing_; }
-
-  std::optional<Status> step() override {
-    if (!drawing_) return verify();
-    evaluated_.draw_proposal();
-    return evaluated_.proposals_left() > 0 ? std::nullopt : begin_search();
-  }
-
-  /// The search uses the proposals drawn so far.
-  std::optional<Status> stopped(Status limit) override { return drawing_ ? begin_search() : std::optional(limit); }
-
-  [[nodiscard]] Solution solution(Status status) override {
-    const Tree& tree = paused_ ? paused_->tree : ended_;
-    return evaluated_.solution(tree.parent, tree.done, status);
+    return begin_drawing();
   }
 
  private:
@@ -150,10 +130,13 @@ class GraphSearch final : public Planner {
     return paused_ && !context_.guided && paused_->version == evaluated_.version();
   }
 
-  /// Begins or continues the search, after the proposals. A search of a verified graph ends at once.
-  std::optional<Status> begin_search() {
-    drawing_ = false;
-    evaluated_.end_proposals();
+  [[nodiscard]] Solution found(Status status) override {
+    const Tree& tree = paused_ ? paused_->tree : ended_;
+    return evaluated_.solution(tree.parent, tree.done, status);
+  }
+
+  /// A search of a verified graph ends at once.
+  std::optional<Status> begin_search() override {
     const Graph& graph = *context_.instance.graph;
     if (graph.verified) {
       ended_ = Tree(graph);
@@ -168,7 +151,7 @@ class GraphSearch final : public Planner {
 
   /// Evaluates the edge to the next vertex in the queue; if the edge is invalid, the search continues with the vertex's
   /// other edges. Evaluates each edge once per epoch of validity.
-  std::optional<Status> verify() {
+  std::optional<Status> search_step() override {
     const Graph& graph = *context_.instance.graph;
     auto& queue = paused_->queue;
     auto& [parent, done] = paused_->tree;
@@ -215,9 +198,6 @@ class GraphSearch final : public Planner {
     return cost;
   }
 
-  GraphSearchSettings settings_;
-  EvaluatedGraph evaluated_;
-  bool drawing_ = false;             ///< proposals are drawn before the search
   std::optional<Verifying> paused_;  ///< the search of an unverified graph until it ends
   Tree ended_;                       ///< of the search that has ended
 };

@@ -52,10 +52,10 @@ Settings<S> with_common(Settings<S> settings) {
   settings.number(
       "bound", &S::bound, "factor", Range::non_negative(),
       "at the root, more than 1: the work (validity checks and proposals) of a guided run is at most so many "
-      "times that of this planner without guides on the same seed, and a constant: it runs beside the "
-      "guided search. At most 1, or below the root: work of guided proposals and of the levels below, per "
-      "work of unguided proposals, beyond what a path costs to check and what progress along a guiding "
-      "path earns. 0: without bound. The report prints the validity checks of either side");
+      "times that of this planner without guides on the same seed, 500, and one step: the planner runs beside "
+      "its guided search. At most 1, or below the root: work of guided proposals and of the levels below, per "
+      "work of unguided proposals, beyond what a path costs to check and what progress along a guiding path "
+      "earns. 0: without bound. The report prints the validity checks of either side");
   // Nodes have 32-bit numbers.
   settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");

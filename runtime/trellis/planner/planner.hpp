@@ -117,9 +117,9 @@ class Planner {
 
   /// Begins a solve, or continues the one that a limit ended. If the instance changed (Instance::epoch), a roadmap is
   /// repaired and a tree loses its invalid branches. If it did not change, a tree that had reached the goal is
-  /// discarded and a new one is grown to find another path. \param budget  limit over all solves of the level. The loop
-  /// observes it; a planner reads it only to divide it \return the status if the solve ends here; none if it takes
-  /// steps
+  /// discarded and a new one is grown to find another path.
+  /// \param budget  limit over all solves of the level, which the loop observes; a planner reads it only to divide it
+  /// \return the status if the solve ends here; none if it takes steps
   virtual std::optional<Status> begin(const Budget& budget) = 0;
   /// Whether the next step may draw a proposal: then the limit of proposals applies.
   [[nodiscard]] virtual bool draws() const { return true; }

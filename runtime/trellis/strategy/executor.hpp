@@ -122,10 +122,10 @@ inline constexpr double companion_constant = 500.0;
 struct BoundedLoss {
   double bound = 0.0;  ///< 0: the guided search ran alone
   double constant = 0.0;
-  double largest_step = 0.0;             ///< of the guided search: work between two steps of its planners
-  double guided = 0.0;                   ///< of all levels
-  double unguided = 0.0;                 ///< of the planner that ran beside them without guides
-  bool unguided_won = false;             ///< it found the path
+  double largest_step = 0.0;  ///< of the guided search: work between two places where it can wait, or up to its end
+  double guided = 0.0;        ///< of all levels
+  double unguided = 0.0;      ///< of the planner that ran beside them without guides
+  bool unguided_won = false;  ///< it found the path
   std::uint64_t unguided_proposals = 0;  ///< the last proposals of level 0
 };
 

@@ -10,6 +10,7 @@
 #include <trellis/guide/excluded.hpp>
 #include <trellis/instance/certified_validity.hpp>
 #include <trellis/planner/loop.hpp>
+#include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
 
@@ -57,7 +58,6 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
   guidance_.limit_slice([this] { return work_limit_ - work(); });
-  if (parent == nullptr) guidance_.report_paths([this](double length) { note_improvement(length); });
   run.levels.push_back(this);
 }
 
@@ -278,14 +278,6 @@ LevelRecord Level::record_so_far(bool lift, const Level* companion) {
   }
   complete(record, lift, companion);
   return record;
-}
-
-void Level::note_improvement(double length) {
-  auto& improvements = run_.improvements;
-  if (!improvements.empty() && !(length < improvements.back().length)) return;
-  std::uint64_t checks = 0;
-  for (const Level* level : run_.levels) checks += level->instance_->checks.validity;
-  improvements.push_back({checks, thread_seconds() - run_.cpu_begin, length});
 }
 
 void Level::pause() {

@@ -64,11 +64,12 @@ struct Run {
 
 /// The guidance of a level's planner: goal bias, uniform sampling, the guide, and a path received from another space.
 ///
-/// Below the root it divides the work between guided and unguided proposals. Work is the number of validity checks and
-/// proposals. The work of guided proposals and of all levels below is at most a share of the work of unguided
-/// proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of the work below, a part of
-/// the checks that progress there required is deducted. If this limit is reached, or if the guide's space is still
-/// being searched, the planner draws unguided proposals. At the root a companion does the unguided work.
+/// Without a companion it divides the work between guided and unguided proposals. Work is the number of validity checks
+/// and proposals. The work of guided proposals and of all levels below is at most `guided_share` times the work of
+/// unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of the work below, a
+/// part of the checks that progress there required is deducted. If this limit is reached, or if the guide's space is
+/// still being searched, the planner draws unguided proposals. A companion (at the root, with a bound of more than 1)
+/// does the unguided work instead.
 class LevelGuidance final : public Guidance {
  public:
   /// \param search  record of the level's planner; outlives this object
@@ -220,8 +221,8 @@ class LevelGuidance final : public Guidance {
  private:
   enum class Part : std::uint8_t { goal, uniform, informed, guide };
   static constexpr double informed_share = 0.5;
-  /// Measured: with more, misleading paths cost more in the levels below the root.
-  static constexpr double guided_rate = 0.8;
+  /// With a bound of 2, a level below the root divides its work as with the default bound.
+  static constexpr double guided_rate = PlannerCommon().bound;
   /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
   /// the minimum of any planner.
   static constexpr double grant_rate = 1.5;
@@ -428,8 +429,6 @@ class Level {
   void begin_solve(double proposals, const Slice& slice);
   [[nodiscard]] Advance end_solve();
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
-  /// Records a path of the root if it is shorter than the earlier ones.
-  void note_improvement(double length);
   /// Ends this level's turn while a level below is solved.
   void pause();
   void end_turn(Configurations path, bool solve_ended);

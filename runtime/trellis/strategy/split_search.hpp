@@ -7,9 +7,6 @@
 
 namespace trellis {
 
-/// Appends a search to another one over the same space.
-void absorb(const Search& part, Search& whole);
-
 /// Makes the planner of a level that divides its instance at sub-goals.
 /// \param guide  of the level and of each half; nullptr: none
 std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,

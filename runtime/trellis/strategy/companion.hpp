@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <utility>
+
+#include <trellis/strategy/root_search.hpp>
+
+namespace trellis {
+
+/// The planner of a guided strategy without its guides, on the stream that it has when it runs alone: its proposals and
+/// checks are those of the unguided strategy. It runs beside the guided search.
+class Companion {
+ public:
+  Companion(const StrategySpec& strategy, const Problem& problem, const Run& beside)
+      : search_(begun(run_, beside), StrategySpec(strategy.planner()), problem) {}
+
+  /// Takes steps until its work reaches `work`, or until it ends.
+  /// \param clock  of the guided search, which stops meanwhile
+  void keep_up(double work, Clock& clock) {
+    if (search_.ended() || run_.work() >= work) return;
+    double* guided = clock.switch_to(nullptr);
+    if (account_ != nullptr) run_.clock.switch_to(account_);
+    while (!search_.ended() && run_.work() < work) search_.step();
+    account_ = run_.clock.switch_to(nullptr);
+    clock.switch_to(guided);
+  }
+  [[nodiscard]] double work() const { return run_.work(); }
+  [[nodiscard]] RootSearch& search() { return search_; }
+  [[nodiscard]] Run& run() { return run_; }
+
+ private:
+  static Run& begun(Run& run, const Run& beside) {
+    run.problem = beside.problem;
+    run.seed = beside.seed;
+    run.seeded = true;
+    run.companion = true;
+    run.interrupted = beside.interrupted;
+    run.watch = beside.watch;
+    run.cpu_begin = beside.cpu_begin;
+    return run;
+  }
+
+  Run run_;
+  RootSearch search_;
+  double* account_ = nullptr;  ///< of its clock, while the guided search runs
+};
+
+}  // namespace trellis
