@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <trellis/guide/guide.hpp>
+#include <trellis/scene/planar/erosion.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -80,4 +81,10 @@ TEST_CASE("without tries the path is followed as it was found", "[guide][widen]"
     CHECK(std::equal(followed[i].begin(), followed[i].end(), found.path[i].begin()));
   }
   CHECK(w.parent->checks.validity == 0);
+}
+
+TEST_CASE("an obstacle of which rounding alone would be left vanishes", "[guide][widen]") {
+  // 5.5 - 0.1 is more than 5.3 + 0.1 by a rounding error.
+  const World world({{0, 0}, {10, 10}}, {{"wall", Box2{{5.3, 5.05}, {5.5, 5.55}}}});
+  CHECK(eroded(world, 0.1).obstacles().empty());
 }

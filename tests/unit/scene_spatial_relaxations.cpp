@@ -86,6 +86,8 @@ TEST_CASE("what is not twice as thick vanishes, and a mesh that is not closed is
   for (const Solid& solid : some_solids(stream)) {
     CHECK(eroded(World3(bounds, {{"thing", solid}}), 1.5).obstacles().empty());
   }
+  // 0.8 - 0.6 is more than 0.2 by a rounding error.
+  CHECK(eroded(World3(bounds, {{"plate", {Cuboid{{0.8 - 0.6, 0.5, 0.5}}, {}}}}), 0.1).obstacles().empty());
   const auto sheet = std::make_shared<const Mesh>(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                                                   std::vector<Triangle>{{0, 1, 2}}, "sheet");
   CHECK_THROWS_WITH(eroded(World3(bounds, {{"the sheet", {sheet, {}}}}), 0.1),

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include <trellis/scene/planar/polygon.hpp>
+#include <trellis/scene/planar/valid_shapes.hpp>
+#include <trellis/scene/precision.hpp>
 
 namespace trellis {
 
@@ -32,12 +35,24 @@ std::vector<Shape> eroded(const Shape& shape, double d) {
   return rest;
 }
 
+Box2 bounds_of(const Shape& shape) {
+  if (const auto* box = std::get_if<Box2>(&shape)) return *box;
+  if (const auto* disc = std::get_if<Disc>(&shape)) return bounding_box(ConvexShape(*disc));
+  return bounding_box(ConvexShape(std::get<Polygon>(shape)));
+}
+
 }  // namespace
 
 World eroded(const World& world, double distance) {
   std::vector<Obstacle> obstacles;
   for (const Obstacle& obstacle : world.obstacles()) {
-    const auto rest = eroded(obstacle.shape, distance);
+    std::vector<Shape> rest = eroded(obstacle.shape, distance);
+    // What only rounding left.
+    std::erase_if(rest, [&](const Shape& piece) {
+      const Box2 box = bounds_of(piece);
+      const double least = least_size(std::max(farthest_of(world.bounds()), farthest_of(box)));
+      return box.hi.x - box.lo.x < least || box.hi.y - box.lo.y < least;
+    });
     for (std::size_t i = 0; i < rest.size(); ++i) {
       const std::string number = rest.size() > 1 ? fmt::format(", piece {}", i + 1) : "";
       obstacles.push_back({fmt::format("{} eroded by {:g}{}", obstacle.name, distance, number), rest[i]});

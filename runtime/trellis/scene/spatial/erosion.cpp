@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/precision.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
 
 namespace trellis {
@@ -231,6 +232,17 @@ std::optional<Shape3> eroded(const std::shared_ptr<const Mesh>& mesh, double d) 
   throw Error("a mesh that is not closed has no inside that could be eroded");
 }
 
+/// The smallest of the sizes that `check_precision` checks.
+double smallest_size(const Shape3& shape) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return 2.0 * sphere->radius;
+  if (const auto* cuboid = std::get_if<Cuboid>(&shape))
+    return std::min({cuboid->size.x, cuboid->size.y, cuboid->size.z});
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return std::min(2.0 * cylinder->radius, cylinder->length);
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) return 2.0 * capsule->radius;
+  const Box3& box = std::get<std::shared_ptr<const Mesh>>(shape)->bounds();
+  return std::max({box.hi.x - box.lo.x, box.hi.y - box.lo.y, box.hi.z - box.lo.z});
+}
+
 }  // namespace
 
 World3 eroded(const World3& world, double distance) {
@@ -239,8 +251,11 @@ World3 eroded(const World3& world, double distance) {
     try {
       auto rest = std::visit([&](const auto& shape) { return eroded(shape, distance); }, obstacle.solid.shape);
       if (!rest) continue;
-      obstacles.push_back(
-          {fmt::format("{} eroded by {:g}", obstacle.name, distance), {std::move(*rest), obstacle.solid.pose}});
+      Solid solid{std::move(*rest), obstacle.solid.pose};
+      // What only rounding left vanishes too.
+      const double farthest = std::max(farthest_of(world.bounds()), farthest_of(bounding_box(solid)));
+      if (smallest_size(solid.shape) < least_size(farthest)) continue;
+      obstacles.push_back({fmt::format("{} eroded by {:g}", obstacle.name, distance), std::move(solid)});
     } catch (const Error& error) {
       throw Error(fmt::format("{}: {}", obstacle.name, error.what()));
     }
