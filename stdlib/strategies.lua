@@ -64,6 +64,13 @@ end
 
 local grows = closed_by("an rrt with the step and the shares above")
 
+-- The planner of the searches of smaller robots, and of the root where the strategy is closed.
+local every_level = {
+  name = "planner", type = "planner", expects = "a planner", default_text = "an rrt with the step and the shares above",
+  doc = "the planner of every level. For a robot that is fixed to its base take rrt_connect {}: a single tree seldom "
+    .. "reaches the goal of an arm, and thinner links help little",
+}
+
 -- `uniform_share` is the share of the whole space beside the guide's. The published methods have no other bound on what
 -- their guides spend.
 local function grown(o, uniform_share)
@@ -92,7 +99,7 @@ end)
 
 local denny = "Denny, Sandstrom, Bregger and Amato 2016, Dynamic region-biased RRT"
 local regions = {
-  "skeleton", region = 2, explore = 0.5, decay = 0.9, penetration = 0.5, alignment = 0.1, drop = 1000,
+  "skeleton", region = 2, explore = 0.5, decay = 0.9, penetration = 0.5, alignment = 0.1, drop = 1000, emphasis = 1,
 }
 
 -- Only the regions: the graph is searched once.
@@ -118,7 +125,7 @@ local relaxation = {
     doc = "the robots from the smallest to the largest, by the size of the real one",
   },
   { "rrt", step = 0.5, goal_bias = 0.05, uniform = 0.5 },
-  { "shrink", radius = 0, evidence = 100, resolves = 10 },
+  { "shrink", radius = 0, evidence = 100, resolves = 10 }, every_level,
 }
 
 define("relaxation", {
@@ -137,7 +144,7 @@ define("relaxation", {
     local level = shrink {
       scale / larger, follow = "waypoints", keep_tree = true, radius = o.radius, evidence = o.evidence,
       resolves = o.resolves,
-      planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform, bound = 0 },
+      planner = o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform, bound = 0 },
     }
     guide = guide and guide >> level or level
   end
@@ -146,7 +153,7 @@ end)
 
 method("irc", {
   "ever larger robots, each guided by the path of the next smaller one", source = bayazit,
-  options = { relaxation, tree, grows },
+  options = { relaxation, tree },
 }, { "rrt", goal_bias = 0 }, function(o)
   return strategies.relaxation(part(o, relaxation)) >> grown(o, o.uniform)
 end)
@@ -154,6 +161,7 @@ end)
 local vonasek = "Vonasek, Penicka and Kozlikova 2020, Searching multiple approximate solutions"
 local several = {
   { "shrink", scale = 0.5, paths = 3, distinct = 0, effort = 2000, radius = 0, evidence = 100, resolves = 10 }, tree,
+  every_level,
 }
 
 define("several", {
@@ -164,13 +172,13 @@ define("several", {
     o.scale, follow = "waypoints", paths = o.paths, inhibit = "bottlenecks", distinct = o.distinct,
     effort = o.effort, radius = o.radius,
     evidence = o.evidence, resolves = o.resolves,
-    planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = 0.1, bound = 0 },
+    planner = o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = 0.1, bound = 0 },
   }
 end)
 
 define("vonasek", {
   "several distinct paths of a smaller robot, all guiding at once", source = vonasek,
-  options = { several, { "rrt", uniform = 0.5 }, grows },
+  options = { several, { "rrt", uniform = 0.5 } },
 }, function(o)
   return strategies.several(part(o, several)) >> grown(o, o.uniform)
 end)
@@ -197,7 +205,7 @@ define("hybrid", {
       name = "share", default = 0.5, lo = 0, hi = 1, unit = "share of guided proposals",
       doc = "share of dr_rrt's regions; the rest is irc's",
     },
-    regions, relaxation, tree, { "rrt", uniform = 0.1 }, grows,
+    regions, relaxation, tree, { "rrt", uniform = 0.1 },
   },
 }, function(o)
   local levels = part(o, relaxation)
@@ -210,7 +218,7 @@ define("blend", {
   "the guides of dr_rrt and irc, by what each achieves",
   options = {
     { "blend", floor = 0.2, credit = "node" }, { name = "memory", of = "blend", as = "decay", default = 0.98 },
-    regions, relaxation, tree, { "rrt", uniform = 0.1 }, grows,
+    regions, relaxation, tree, { "rrt", uniform = 0.1 },
   },
 }, function(o)
   local levels = part(o, relaxation)

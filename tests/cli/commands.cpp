@@ -368,6 +368,26 @@ TEST_CASE("inputs that are probably mistakes are warned of, by check and by run"
   }
 }
 
+TEST_CASE("a single tree for the thin links of an arm is warned of") {
+  const Place place;
+  const auto warns = [&](const std::string& strategy) {
+    place.script("arm.lua",
+                 "return experiment { measure = false, strategies = { method = " + strategy +
+                     " }, problems = problem { name = 'reach', world = world { bounds = {0, 0, 10, 10} }, "
+                     "robot = robot.arm { links = {1, 1}, base = {5, 5} }, start = {0, 0}, goal = {1, 1} } }");
+    const auto outcome = place.run({"check", "arm.lua"});
+    INFO(strategy << "\n" << outcome.err);
+    CHECK(outcome.status == 0);
+    return outcome.err.find(
+               "strategy 'method': of a robot that is fixed to its base, shrink makes only the links "
+               "thinner") != std::string::npos;
+  };
+  CHECK(warns("strategies.irc {}"));
+  CHECK(warns("strategies.vonasek {}"));
+  CHECK_FALSE(warns("strategies.irc { planner = rrt_connect {} }"));
+  CHECK_FALSE(warns("shrink(0.5) >> rrt {}"));
+}
+
 TEST_CASE("a resolution that is coarser than an obstacle is thick is warned of, by check, run and explain") {
   const Place place;
   const auto script = [&](const char* robot, const char* resolution) {

@@ -14,10 +14,10 @@ using test::values;
 TEST_CASE("the methods of the paper are written in the language from parts") {
   CHECK(value("strategies.rrt() == rrt { step = 0.5, goal_bias = 0.05 }") == "true");
   CHECK(value("strategies.parasol_rrt() == rrt { goal_bias = 0 }") == "true");
-  CHECK(value("strategies.dr_rrt() == skeleton { follow = 'regions', prune = false, region = 2, "
+  CHECK(value("strategies.dr_rrt() == skeleton { follow = 'regions', prune = false, emphasis = 1, region = 2, "
               "explore = 0.5, decay = 0.9, alignment = 0.1, drop = 1000, resolves = 0 } >> rrt { uniform = 0, bound = "
               "0 }") == "true");
-  CHECK(value("strategies.parasol_dr_rrt() == skeleton { follow = 'regions', prune = false, "
+  CHECK(value("strategies.parasol_dr_rrt() == skeleton { follow = 'regions', prune = false, emphasis = 1, "
               "penetration = 1, drop = 0, "
               "resolves = 0 } >> rrt { uniform = 0, goal_bias = 0, bound = 0 }") == "true");
   CHECK(value("strategies.irc { scales = {0.25, 0.5} } == "
@@ -49,14 +49,19 @@ TEST_CASE("every method takes options, and most another planner") {
     CHECK(failure("strategies." + name + "(5)").find("takes a table") != std::string::npos);
   }
   CHECK(value("strategies.dr_rrt { region = 3, step = 0.25 } == "
-              "skeleton { follow = 'regions', prune = false, region = 3, alignment = 0.1, drop = 1000, "
+              "skeleton { follow = 'regions', prune = false, emphasis = 1, region = 3, alignment = 0.1, drop = 1000, "
               "resolves = 0 } >> "
               "rrt { uniform = 0, step = 0.25, bound = 0 }") == "true");
+  CHECK(value("strategies.irc { scales = {0.5}, planner = rrt_connect {} } == "
+              "shrink { 0.5, follow = 'waypoints', keep_tree = true, evidence = 100, resolves = 10, "
+              "planner = rrt_connect {} } >> rrt_connect {}") == "true");
+  CHECK(value("strategies.vonasek { planner = prm {} } == strategies.several { planner = prm {} } >> prm {}") ==
+        "true");
 }
 
 TEST_CASE("the methods' guides serve at any level") {
   CHECK(value("strategies.regions() >> shrink(0.5) >> rrt_connect {} == "
-              "skeleton { follow = 'regions', prune = false, alignment = 0.1, drop = 1000, resolves = "
+              "skeleton { follow = 'regions', prune = false, emphasis = 1, alignment = 0.1, drop = 1000, resolves = "
               "0 } >> shrink(0.5) >> rrt_connect "
               "{}") == "true");
   CHECK(

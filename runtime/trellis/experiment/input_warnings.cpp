@@ -218,6 +218,20 @@ void find_model(const GuideSpec& guide, const std::string& where, std::vector<st
            warnings);
 }
 
+/// Warns of an arm whose thin one a single tree without bounded loss searches: thinner links leave its reach as it is,
+/// so that search costs what that of the arm costs.
+void find_single_tree_of_arm(const GuideSpec& guide, const Problem& problem, const std::string& strategy,
+                             std::vector<std::string>& warnings) {
+  if (problem.scene->translates() || !guide.planner() || guide.planner()->name() != "rrt") return;
+  const auto* bound = std::get_if<double>(&guide.planner()->options().at("bound"));
+  if (bound == nullptr || *bound != 0.0) return;
+  add_once(fmt::format("strategy '{}': of a robot that is fixed to its base, shrink makes only the links thinner, so a "
+                       "single tree reaches the goal in S no sooner than in C; two trees at every level cost less: "
+                       "planner = rrt_connect {{}}, an option of strategies.irc, strategies.vonasek and shrink",
+                       strategy),
+           warnings);
+}
+
 void find_useless(const GuideSpec& guide, const Problem& problem, const std::string& strategy,
                   std::vector<std::string>& warnings) {
   if (guide.kind() != GuideSpec::Kind::component) {
@@ -229,6 +243,7 @@ void find_useless(const GuideSpec& guide, const Problem& problem, const std::str
         fmt::format("{} in strategy '{}': the robot of problem '{}' is a point, which has nothing to shrink",
                     guide.text_alone(), strategy, problem.name));
   }
+  if (guide.name() == "shrink" && !guide.custom()) find_single_tree_of_arm(guide, problem, strategy, warnings);
   if (!guide.custom()) {
     const std::string where = fmt::format("{} in strategy '{}'", guide.text_alone(), strategy);
     if (guide.name() == "joints") find_numbered_axes(guide, problem, where, warnings);

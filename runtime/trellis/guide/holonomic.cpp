@@ -30,9 +30,11 @@ const Settings<HolonomicSettings>& holonomic_settings() {
   static const Settings<HolonomicSettings> settings = with_several_paths(with_path_options(
       Settings<HolonomicSettings>(Component::Kind::guide, "holonomic",
                                   "the robot without its motion model: configurations without velocities, joined by "
-                                  "straight motions; velocities "
-                                  "are drawn uniformly about the path found",
-                                  "Plaku, Kavraki and Vardi 2007, Discrete search leading continuous exploration for "
+                                  "straight motions; one path of it guides, and velocities are drawn uniformly about "
+                                  "it. Leads over a decomposition, as published by Plaku, Kavraki and Vardi, are "
+                                  "another guide, decomposition",
+                                  "the geometric path first, then a tree of motions along it; not the leads of Plaku, "
+                                  "Kavraki and Vardi 2007, Discrete search leading continuous exploration for "
                                   "kinodynamic motion planning")
           .choice("heading", &HolonomicSettings::heading_found, {{"along", false}, {"found", true}},
                   "the robot's heading on the path that is followed: \"along\", in the direction of travel, which is "

@@ -39,6 +39,7 @@ struct SkeletonSettings {
   double region = 2.0;
   double explore = 0.5;
   double decay = 0.9;
+  double emphasis = 2.0;
   double clearance = 0.0;
   double penetration = 0.5;
   double alignment = -1.0;
@@ -57,8 +58,8 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           .choice("follow", &SkeletonSettings::follow_regions, {{"path", false}, {"regions", true}},
                   "\"path\": the path found on the axis is validated in C at points `spacing` apart, with the angles "
                   "that are nearest to those before, and proposals are a step of the planner ahead of the node that "
-                  "came farthest along it; \"regions\", as published: dynamic regions along the whole axis, those on "
-                  "the path found weighing twice. Where there is a motion model, always regions")
+                  "came farthest along it; \"regions\": dynamic regions along the whole axis. Where there is a "
+                  "motion model, always regions")
           .boolean(
               "prune", &SkeletonSettings::prune,
               "leave out edges that are narrower than the largest disc or ball about the reference point inside the "
@@ -92,6 +93,8 @@ const Settings<SkeletonSettings>& skeleton_settings() {
                   "speed; -1: velocities are uniform")
           .integer("drop", &SkeletonSettings::drop, "proposals", Range::non_negative(),
                    "proposals of a region without a new node, in a row, after which it is dropped; 0: never")
+          .number("emphasis", &SkeletonSettings::emphasis, "factor", Range::at_least(1),
+                  "factor on the weight of the regions on the path found on the axis; 1: as published")
           .number("clearance", &SkeletonSettings::clearance, "m", Range::non_negative(),
                   "edges of the skeleton with less clearance than this are left out")
           .integer("patience", &SkeletonSettings::patience, "proposals", Range::at_least(1),
@@ -544,7 +547,7 @@ class DynamicRegions final : public Heuristic {
     std::int64_t failures = 0;  ///< consecutive own proposals without a new node
     std::shared_ptr<const Projection> lift = nullptr;
     std::shared_ptr<const Density> density = nullptr;  ///< over the planner's space
-    double share = 1.0;                                ///< factor on its weight: 2 on the path found in S
+    double share = 1.0;                                ///< factor on its weight: `emphasis` on the path found in S
     [[nodiscard]] double weight() const { return share * successes / attempts; }
   };
 
@@ -617,7 +620,7 @@ class DynamicRegions final : public Heuristic {
     if (spawned_[vertex] != 0) return;
     spawned_[vertex] = 1;
     for (const auto& edge : directed_.out[vertex]) {
-      regions_.push_back({.edge = edge, .share = on_path_[edge.edge] != 0 ? 2.0 : 1.0});
+      regions_.push_back({.edge = edge, .share = on_path_[edge.edge] != 0 ? settings_.emphasis : 1.0});
       place(regions_.back());
     }
     ++epoch_;

@@ -695,15 +695,18 @@ std::string title(const std::string& text, std::size_t width) {
 }
 
 /// Collects the radii of the tubes of guides' proposals, 0 for the default.
-void collect_radii(const GuideSpec& guide, std::set<double>& radii) {
+/// \param whole  set to false where a guide proposes in a part of its tube only: `follow` is not "tube"
+void collect_radii(const GuideSpec& guide, std::set<double>& radii, bool& whole) {
   if (guide.kind() != GuideSpec::Kind::component) {
-    for (const auto& term : guide.terms()) collect_radii(term.guide, radii);
+    for (const auto& term : guide.terms()) collect_radii(term.guide, radii, whole);
     return;
   }
   if (guide.custom()) return;
   for (const auto& [option, value] : guide.options().entries()) {
     const auto* radius = std::get_if<double>(&value);
     if (option == "radius" && radius != nullptr) radii.insert(*radius);
+    const auto* follow = std::get_if<std::string>(&value);
+    if (option == "follow" && follow != nullptr && *follow != "tube") whole = false;
   }
 }
 
@@ -711,12 +714,13 @@ void collect_radii(const GuideSpec& guide, std::set<double>& radii) {
 std::string tubes_text(const Experiment& experiment) {
   const auto* target = std::get_if<TubeSettings>(&experiment.measure->target);
   std::set<double> radii;
+  bool whole = true;
   for (const auto& [name, spec] : experiment.strategies) {
-    if (spec.guide() != nullptr) collect_radii(*spec.guide(), radii);
+    if (spec.guide() != nullptr) collect_radii(*spec.guide(), radii, whole);
   }
   if (target == nullptr || radii.empty()) return "";
   const bool full = target->distance == TubeSettings::Distance::full;
-  if (full && radii == std::set{target->delta}) return "Guides propose in the same set, their tubes.";
+  if (full && whole && radii == std::set{target->delta}) return "Guides propose in the same set, their tubes.";
   std::string text;
   for (const double radius : radii) {
     text += (text.empty() ? "" : ", ") +
@@ -724,9 +728,8 @@ std::string tubes_text(const Experiment& experiment) {
   }
   return fmt::format(
       "Guides with a tube propose within {} of their path, headings included: another set than the target, and what of "
-      "the target lies outside of it counts as spread; tube {{ delta = r, distance = \"full\" }} with the guide's "
-      "radius "
-      "= r makes them one.",
+      "the target lies outside of it counts as spread; tube {{ delta = r, distance = \"full\" }} and "
+      "the guide's follow = \"tube\", radius = r make them one.",
       text);
 }
 
