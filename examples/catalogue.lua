@@ -3,8 +3,8 @@
 --
 --   trellis run examples/catalogue.lua
 --
--- docs/catalogue.md describes f and h of each. experience() requires stored paths, and learned() a trained model:
--- docs/experience.md.
+-- docs/catalogue.md describes f and h of each. experience() and path_database() require stored paths, and learned() a
+-- trained model: docs/experience.md.
 
 local tree = rrt { step = 0.5 }
 
@@ -33,6 +33,7 @@ return experiment {
     { "aggregate",   aggregate() >> tree },
     -- experience
     { "experience",  experience() >> tree },
+    { "path_database", path_database() >> tree },
     { "learned",     learned() >> tree },
     -- S = C
     { "identity",    identity() >> tree },
@@ -45,6 +46,8 @@ return experiment {
     { "medial_axis", medial_axis() >> tree },
     { "halton",      halton() >> tree },
     { "informed",    informed { cost = 13 } >> tree },
+    { "information_gain", information_gain() >> tree },
+    { "state_cells", state_cells() >> tree },
     -- combinators
     { "nesting",     skeleton() >> shrink(0.5) >> tree },
     { "mixture",     (0.5 * skeleton() + 0.5 * shrink(0.5)) >> tree },

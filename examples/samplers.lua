@@ -15,6 +15,10 @@ local samplers = {
   obstacle_based = obstacle_based(),
   medial_axis = medial_axis(),
   halton = halton(),
+  -- where the validity of C is known least
+  information_gain = information_gain(),
+  -- one node in each cell of a grid; names the node to extend
+  state_cells = state_cells(),
   -- states that a path shorter than 13 m may visit
   informed = informed { cost = 13 },
 }

@@ -288,6 +288,8 @@ pays.catalogue = native.define({
     { "medial_axis", medial_axis() },
     { "halton", halton() },
     { "informed", informed { cost = 13 } },
+    { "information_gain", information_gain() },
+    { "state_cells", state_cells() },
     { "skeleton >> shrink", skeleton() >> shrink(0.5) },
     { "skeleton + lazy", 0.5 * skeleton() + 0.5 * lazy() },
     { "skeleton .. lazy", skeleton() .. lazy() },

@@ -523,6 +523,9 @@ std::vector<ObjectType> guiding_space_types() {
                           {"proposal", configuration, "", "what was proposed, in C"},
                           {"near", configuration + "?", "", "the node that the extension started from"},
                           {"added", configuration + "?", "", "the node that was added"},
+                          {"number", "integer?", "",
+                           "the number of the node `added`; a function that draws may return it after the coordinates, "
+                           "as the node to extend"},
                           {"blocked_at", configuration + "?", "", "the first configuration that was found invalid"}};
   return types;
 }

@@ -105,16 +105,24 @@ class Calls {
     call(slot, *(*definition_)[slot], which, push, read);
   }
 
-  /// Draws with a function that 'heuristic' returned. \param number  index of the sample, for messages
-  void draw(const Reference& function, const Space& c, std::uint64_t number, Stream& stream, MutableView out) const {
+  /// Draws with a function that 'heuristic' returned.
+  /// \param number  index of the sample, for messages
+  /// \return the node to extend, if the function returned its number after the coordinates; else no_node
+  std::uint32_t draw(const Reference& function, const Space& c, std::uint64_t number, Stream& stream,
+                     MutableView out) const {
     const Restore restore{drawn_from_->now, std::exchange(drawn_from_->now, &stream)};
+    std::uint32_t node = no_node;
     call(
         Slot::heuristic, function, [&] { return fmt::format("its sample {}", number); },
         [&](Stack& stack) { return push_random(stack); },
         [&](Stack& stack) {
-          read_coordinates(stack, 1, stack.size(), c, out, "what the function that draws returns");
-          place(c, out, "what the function that draws returns");
+          constexpr auto what = "what the function that draws returns";
+          const auto coordinates = static_cast<int>(c.dimension());
+          if (stack.size() == coordinates + 1) node = node_number(stack[stack.size()]);
+          read_coordinates(stack, 1, stack.size() == coordinates + 1 ? coordinates : stack.size(), c, out, what);
+          place(c, out, what);
         });
+    return node;
   }
 
   [[nodiscard]] double density(const Reference& function, View q, bool drawn = false) const {
@@ -167,6 +175,19 @@ class Calls {
     Restore& operator=(const Restore&) = delete;
     ~Restore() { now = before; }
   };
+
+  /// The node that a script names by its number; no_node for nil.
+  static std::uint32_t node_number(const Value& value) {
+    if (value.type() == Type::nil) return no_node;
+    const auto number = value.number();
+    if (!number || *number != std::floor(*number) || *number < 0.0 || *number >= static_cast<double>(no_node)) {
+      throw Located(
+          fmt::format("after the coordinates it returned {}, expected the number of a node, as outcomes have "
+                      "it, or nil",
+                      value.describe()));
+    }
+    return static_cast<std::uint32_t>(*number);
+  }
 
   int push_random(Stack& stack) const {
     random_->push(stack);
@@ -336,10 +357,11 @@ class FunctionHeuristic final : public Heuristic {
 
   Source sample(Stream& stream, MutableView out) override {
     constexpr std::uint64_t checked_samples = 8;  // number of samples at which to check the density
-    calls_->draw(*function_, c_, ++drawn_, stream, out);
+    node_ = calls_->draw(*function_, c_, ++drawn_, stream, out);
     if (density_ && drawn_ <= checked_samples) static_cast<void>(density_->at_sample(out));
     return 0;
   }
+  [[nodiscard]] std::uint32_t vertex() const override { return node_; }
   void record(DensityRecord& record, double share) const override {
     if (density_) {
       record.add(density_, share);
@@ -354,6 +376,7 @@ class FunctionHeuristic final : public Heuristic {
   Space c_;
   std::shared_ptr<const Reference> function_;
   std::shared_ptr<const FunctionDensity> density_;
+  std::uint32_t node_ = no_node;  ///< to extend towards the last sample
   std::uint64_t drawn_ = 0;
 };
 
@@ -368,6 +391,12 @@ class OutcomeTable {
     stack.set_field(table, "fate");
     stack.push(mine);
     stack.set_field(table, "mine");
+    if (outcome.added_row == no_node) {
+      stack.push_nil();
+    } else {
+      stack.push(static_cast<double>(outcome.added_row));
+    }
+    stack.set_field(table, "number");
     const std::array<View, 4> views = {outcome.proposal, outcome.near, outcome.added, outcome.blocked_at};
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (views[i].empty()) {

@@ -8,6 +8,9 @@
 -- left to the middle on one path, and on to the right on another. It proposes the points of the path one after another;
 -- where the path is blocked, it proposes points nearby.
 --
+-- `path_database` follows no path: each node of the tree has a cost to go by the stored paths near it, and the node
+-- with the least one is extended. Motions of paths that are blocked leave the database while the search continues.
+--
 -- The second world has a box in each of the rooms, on the stored paths. In the third the gaps are elsewhere, so the
 -- library misleads: the row of the root shows the cost of following it.
 
@@ -34,6 +37,7 @@ return experiment {
   strategies = {
     rrt = rrt { step = 0.5 },
     lightning = experience { db = "paths.db" } >> rrt { step = 0.5 },
+    database = path_database { db = "paths.db" } >> rrt { step = 0.5 },
   },
   baseline = "rrt",
   seeds = 30,

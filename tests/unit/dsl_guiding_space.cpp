@@ -251,6 +251,26 @@ TEST_CASE("h may be a function that draws, with its density") {
                  Contains("where it drew a sample: it returned 0, expected a finite number greater than 0"));
 }
 
+TEST_CASE("a function that draws may name the node to extend") {
+  // `observe` compares the node that was extended with the one that was named, the first of three.
+  const RunRecord run = run_of(
+      "(function() local nodes, named = {}, nil\n"
+      "  return guiding_space { name = 'first', space = {}, heuristic = function()\n"
+      "      return function(random) named = nodes[#nodes > 2 and #nodes - 2 or 1]\n"
+      "        return random() * 10, random() * 10, random(), named and named.number end end,\n"
+      "    observe = function(o)\n"
+      "      if o.mine and named then assert(o.near[1] == named.q[1] and o.near[2] == named.q[2], 'another node') end\n"
+      "      assert((o.added == nil) == (o.number == nil), 'a node without a number')\n"
+      "      if o.added then nodes[#nodes + 1] = { q = { o.added[1], o.added[2] }, number = o.number } end\n"
+      "    end } end)()",
+      "g >> rrt { bound = 0, proposals = 200 }");
+  CHECK(run.levels[0].search.nodes.size() > 20);
+  const std::string draws = "guiding_space { name = 'g', space = {}, heuristic = function() return function() return ";
+  CHECK_THAT(run_failure(draws + "1, 2, 1, 0.5 end end }"),
+             Contains("its sample 1: after the coordinates it returned 0.5, expected the number of a node"));
+  CHECK(run_failure(draws + "1, 2, 1, nil end end }", "g >> rrt { proposals = 5 }").empty());
+}
+
 TEST_CASE("shapes have a kind, a name, bounds and vertices, and cannot be changed") {
   const std::string world =
       "local w = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7, name = 'left'}, disc {1, 8, 0.5}, "

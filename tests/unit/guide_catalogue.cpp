@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 
 #include "support/catch.hpp"
 #include "support/density.hpp"
+#include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -386,6 +388,81 @@ TEST_CASE("informed uses the best reported path as long as it is valid", "[guide
   w.h->found(13.0);
   CHECK(test::record_of(*w.h).at(problem.start) > there);
   CHECK_THROWS_WITH(work("informed", {{"cost", 5.0}}, problem), Catch::Contains("no path is as short"));
+}
+
+TEST_CASE("information_gain proposes where its model is least certain, and with utility where that is valid",
+          "[guide][information_gain]") {
+  const auto problem = test::point_problem(5);
+  // Shares of the proposals in the left half, which is known to be free, and in the right one, known to be invalid.
+  const auto shares = [&](const std::string& gain) {
+    Work w = work("information_gain", {{"candidates", std::int64_t{20}}, {"gain", gain}, {"reach", 0.5}}, problem);
+    Configuration q(2);
+    for (q[0] = 0.25; q[0] < 10.0; q[0] += 0.5) {
+      for (q[1] = 0.25; q[1] < 10.0; q[1] += 0.5) {
+        if (q[0] < 4.0) w.h->observe(test::reached(q), false);
+        if (q[0] > 6.0) w.h->observe(test::blocked(q), false);
+      }
+    }
+    Stream stream(3, "", "gain");
+    std::array<double, 2> share{};
+    for (int i = 0; i < 1000; ++i) {
+      w.h->sample(stream, q);
+      if (q[0] < 3.5) share[0] += 0.001;
+      if (q[0] > 6.5) share[1] += 0.001;
+    }
+    return share;
+  };
+  const auto information = shares("information");
+  CHECK(information[0] + information[1] < 0.05);  // 0.7 of the space
+  const auto utility = shares("utility");
+  CHECK(utility[1] == 0.0);
+}
+
+TEST_CASE("state_cells proposes in cells beside those with a node, and names the node to extend",
+          "[guide][state_cells]") {
+  auto problem = test::point_problem(5);
+  problem.start = {0.5, 0.5};
+  Work w = work("state_cells", {{"cell", 1.0}, {"explore", 0.0}}, problem);
+  Stream stream(3, "", "cells");
+  Configuration q(2);
+  const auto cell = [](View at) { return std::pair(static_cast<int>(at[0]), static_cast<int>(at[1])); };
+  const auto drawn = [&] {
+    std::set<std::pair<int, int>> cells;
+    for (int i = 0; i < 200; ++i) {
+      w.h->sample(stream, q);
+      cells.insert(cell(q));
+    }
+    return cells;
+  };
+  CHECK(drawn() == std::set<std::pair<int, int>>{{1, 0}, {0, 1}});
+  CHECK(w.h->vertex() == no_node);  // the start: the nearest node is as good
+  // A second node in a cell is the same state.
+  const Configuration first = {1.4, 0.5};
+  const Configuration second = {1.6, 0.5};
+  w.h->observe(test::reached(first, 7), false);
+  w.h->observe(test::reached(second, 8), false);
+  CHECK(drawn() == std::set<std::pair<int, int>>{{0, 1}, {1, 1}, {2, 0}});
+  while (w.h->sample(stream, q), cell(q) != std::pair(2, 0)) {
+  }
+  CHECK(w.h->vertex() == 7);
+  // Cells whose proposals fail are tried less often.
+  for (int i = 0; i < 20; ++i) {
+    while (w.h->sample(stream, q), cell(q) != std::pair(0, 1)) w.h->observe(test::blocked(q), false);
+    w.h->observe(test::blocked(q), true);
+  }
+  int there = 0;
+  for (int i = 0; i < 1000; ++i) {
+    w.h->sample(stream, q);
+    if (cell(q) == std::pair(0, 1)) ++there;
+  }
+  CHECK(there < 20);
+  // The tree from the goal has cells of its own; a restart forgets all.
+  w.h->select_tree(TreeSide::goal);
+  w.h->sample(stream, q);
+  CHECK(problem.space.distance(q, problem.goal()) < 2.5);
+  w.h->restart();
+  w.h->select_tree(TreeSide::start);
+  CHECK(drawn() == std::set<std::pair<int, int>>{{1, 0}, {0, 1}});
 }
 
 TEST_CASE("a Halton sequence leaves smaller holes than uniform samples", "[guide][halton]") {

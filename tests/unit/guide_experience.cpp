@@ -121,6 +121,54 @@ TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide
   }
 }
 
+TEST_CASE("path_database names the node with the least cost to go, and forgets motions that are blocked",
+          "[guide][path_database]") {
+  const Problem problem = plane({}, {1, 1}, {9, 1});
+  const Stored library({{problem, path_of(over)}, {problem, path_of(under)}});
+  const GuideKind& kind = *find_guide("path_database");
+  const auto parent = make_instance(problem);
+  parent->step = 0.5;
+  const auto guide = kind.make(Options::validate(*kind.component, {{"db", library.file()}}));
+  REQUIRE(guide->project(*parent) == nullptr);
+  const auto h = guide->heuristic(*parent, nullptr, nullptr);
+  Stream stream(1, "", "proposals");
+  Configuration q(2);
+  // Along the shorter of the paths, a step at a time, from the last node.
+  std::uint32_t row = no_node;
+  const auto follow = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      h->sample(stream, q);
+      CHECK(h->vertex() == row);
+      row = static_cast<std::uint32_t>(row == no_node ? 1 : row + 1);
+      h->observe(test::reached(q, row), true);
+    }
+  };
+  CHECK(test::record_of(*h).atoms() == 1.0);
+  follow(8);
+  CHECK(q[1] == 0.5);
+  const double before = q[0];
+  CHECK(before > 1.0);
+  // A node elsewhere costs more to go; a better one is extended at once.
+  const Configuration aside = {1.0, 2.0};
+  h->observe(test::reached(aside, 50), false);
+  h->sample(stream, q);
+  CHECK(h->vertex() == row);
+  // The motion is blocked: proposals about the point, then the other path.
+  h->observe(test::blocked(q), true);
+  CHECK(test::record_of(*h).atoms() == 0.0);
+  for (int i = 0; i < 400 && h->vertex() != 50; ++i) {
+    h->sample(stream, q);
+    h->observe(test::blocked(q), true);
+  }
+  CHECK(h->vertex() == 50);
+  const auto path = h->lifted_path();
+  REQUIRE(path.size() > 2);
+  CHECK(path[path.size() - 2][1] > 0.5);
+  h->select_tree(TreeSide::goal);
+  CHECK(h->vertex() == no_node);
+  CHECK(test::record_of(*h).at(problem.start) == Approx(std::exp(-problem.space.log_volume())));
+}
+
 TEST_CASE("a stored path is followed from the query's start to its goal, in either stored direction",
           "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});

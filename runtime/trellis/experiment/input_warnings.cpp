@@ -247,7 +247,7 @@ void find_useless(const GuideSpec& guide, const Problem& problem, const std::str
   if (!guide.custom()) {
     const std::string where = fmt::format("{} in strategy '{}'", guide.text_alone(), strategy);
     if (guide.name() == "joints") find_numbered_axes(guide, problem, where, warnings);
-    if (guide.name() == "experience") find_library(guide, problem, where, warnings);
+    if (guide.name() == "experience" || guide.name() == "path_database") find_library(guide, problem, where, warnings);
     if (guide.name() == "learned") find_model(guide, where, warnings);
   }
   if (guide.below() != nullptr) find_useless(*guide.below(), problem, strategy, warnings);

@@ -9,12 +9,15 @@
 namespace trellis {
 
 const std::vector<GuideKind>& guide_kinds() {
-  static const std::vector<GuideKind> kinds = {
-      uniform_kind(),     goal_bias_kind(), gaussian_kind(),  bridge_test_kind(), obstacle_based_kind(),
-      medial_axis_kind(), halton_kind(),    informed_kind(),  identity_kind(),    workspace_kind(),
-      skeleton_kind(),    shrink_kind(),    joints_kind(),    pca_kind(),         widen_kind(),
-      lazy_kind(),        drop_kind(),      aggregate_kind(), holonomic_kind(),   decomposition_kind(),
-      experience_kind(),  learned_kind()};
+  static const std::vector<GuideKind> kinds = {uniform_kind(),       goal_bias_kind(),      gaussian_kind(),
+                                               bridge_test_kind(),   obstacle_based_kind(), medial_axis_kind(),
+                                               halton_kind(),        informed_kind(),       information_gain_kind(),
+                                               state_cells_kind(),   identity_kind(),       workspace_kind(),
+                                               skeleton_kind(),      shrink_kind(),         joints_kind(),
+                                               pca_kind(),           widen_kind(),          lazy_kind(),
+                                               drop_kind(),          aggregate_kind(),      holonomic_kind(),
+                                               decomposition_kind(), experience_kind(),     path_database_kind(),
+                                               learned_kind()};
   return kinds;
 }
 

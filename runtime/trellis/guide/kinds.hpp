@@ -14,6 +14,8 @@ GuideKind obstacle_based_kind();
 GuideKind medial_axis_kind();
 GuideKind halton_kind();
 GuideKind informed_kind();
+GuideKind information_gain_kind();
+GuideKind state_cells_kind();
 GuideKind identity_kind();
 GuideKind workspace_kind();
 GuideKind skeleton_kind();
@@ -28,5 +30,6 @@ GuideKind holonomic_kind();
 GuideKind decomposition_kind();
 GuideKind experience_kind();
 GuideKind learned_kind();
+GuideKind path_database_kind();
 
 }  // namespace trellis

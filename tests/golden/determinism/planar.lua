@@ -37,6 +37,7 @@ return experiment {
     { "drop",           drop() >> tree },
     { "aggregate",      aggregate() >> tree },
     { "experience",     experience { db = "paths.db" } >> tree },
+    { "path_database",  path_database { db = "paths.db" } >> tree },
     { "learned",        learned { model = "cells.model" } >> tree },
     { "identity",       identity() >> tree },
     { "uniform",        uniform() >> tree },
@@ -47,6 +48,8 @@ return experiment {
     { "medial_axis",    medial_axis() >> tree },
     { "halton",         halton() >> tree },
     { "informed",       informed { cost = 13 } >> rrt_star { proposals = 1000 } },
+    { "information_gain", information_gain() >> tree },
+    { "state_cells",    state_cells() >> tree },
     -- combinators
     { "nesting",        skeleton() >> shrink(0.5) >> tree },
     { "mixture",        (0.5 * skeleton() + 0.5 * shrink(0.5)) >> tree },
