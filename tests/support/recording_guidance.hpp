@@ -2,6 +2,7 @@
 // A guidance that records everything that a planner reports to it, and a validity that counts its rejections.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -36,6 +37,10 @@ class RecordingGuidance final : public Guidance {
   void select_tree(TreeSide side) override { sides.push_back(side); }
   Source sample(Stream& stream, MutableView out) override {
     ++proposals;
+    if (!always.empty()) {
+      std::copy(always.begin(), always.end(), out.begin());
+      return 1;
+    }
     if (stream.uniform() < goal_bias_) return goal_.sample(stream, out);
     uniform_.sample(stream, out);
     return 1;
@@ -49,6 +54,7 @@ class RecordingGuidance final : public Guidance {
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return !judge_connection || judge_connection(from, to);
   }
+  [[nodiscard]] double edge_factor(View a, View b) const override { return weigh_edge ? weigh_edge(a, b) : 1.0; }
   void found(double length) override { lengths.push_back(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal", "uniform"}; }
 
@@ -58,6 +64,8 @@ class RecordingGuidance final : public Guidance {
   std::size_t proposals = 0;
   std::function<std::uint32_t()> choose_vertex;
   std::function<bool(View, View)> judge_connection;
+  std::function<double(View, View)> weigh_edge;
+  Configuration always;  ///< if not empty: every proposal
 
  private:
   UniformGuidance uniform_;

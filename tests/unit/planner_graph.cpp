@@ -2,6 +2,7 @@
 // Searches of explicit graphs that pause, and instances that change meanwhile.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -36,6 +37,35 @@ PlannerRun make_run(const Kind& kind, std::uint64_t seed) {
   PlannerRun run(kind.planner, test::point_problem(seed), 1, kind.options);
   run.instance->graph = std::make_shared<Graph>(grid_graph(*run.instance, 0.25));
   return run;
+}
+
+/// A search of a graph with two routes around the middle of an empty square. The lower one is shorter.
+PlannerRun make_two_routes(const Kind& kind, std::vector<Options::Entry> options = {}) {
+  options.insert(options.end(), kind.options.begin(), kind.options.end());
+  PlannerRun run(kind.planner, test::make_problem("empty", test::rectangle_world({}), Robot::point(), {1, 5}, {9, 5}),
+                 1, options);
+  auto graph = std::make_shared<Graph>();
+  graph->vertices = Configurations(2);
+  for (const Configuration& q : {Configuration{1, 5}, {9, 5}, {5, 9}, {5, 2}}) graph->vertices.push(q);
+  graph->goals = {1};
+  const auto join = [&](std::uint32_t from, std::uint32_t to, const std::vector<Configuration>& corners) {
+    Configurations points(2);
+    for (const Configuration& q : corners) points.push(q);
+    const double length = path_length(run.instance->space, points);
+    graph->edges.push_back({from, to, length, std::move(points)});
+  };
+  join(0, 2, {{1, 5}, {1, 9}, {5, 9}});
+  join(1, 2, {{9, 5}, {9, 9}, {5, 9}});
+  join(0, 3, {{1, 5}, {1, 2}, {5, 2}});
+  join(1, 3, {{9, 5}, {9, 2}, {5, 2}});
+  run.instance->graph = std::move(graph);
+  return run;
+}
+
+double highest(const Configurations& path) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < path.size(); ++i) most = std::max(most, path[i][1]);
+  return most;
 }
 
 bool equal(const Configurations& a, const Configurations& b) {
@@ -165,5 +195,64 @@ TEST_CASE("a search of a graph passes by a goal that is invalid or shut in", "[p
     const Solution found = run.solve();
     REQUIRE(found.solved());
     CHECK(std::ranges::equal(found.path.back(), Configuration{9, 9}));
+  }
+}
+
+TEST_CASE("a guide's path weighs whole edges of a graph, and needs one proposal", "[planner][graph][guided]") {
+  for (const Kind& kind : kinds()) {
+    CAPTURE(kind.planner);
+    PlannerRun plain = make_two_routes(kind);
+    CHECK(highest(plain.solve().path) < 6.0);
+    CHECK(plain.search.proposals.empty());
+
+    PlannerRun guided = make_two_routes(kind);
+    guided.guided = true;
+    guided.guidance.weigh_edge = [](View a, View b) { return 1.0 + std::abs(0.5 * (a[1] + b[1]) - 9.0); };
+    const Solution found = guided.solve();
+    REQUIRE(found.solved());
+    CHECK(highest(found.path) == 9.0);
+    CHECK(guided.search.proposals.size() == 1);
+  }
+}
+
+TEST_CASE("a proposal counts for the edge that it is nearest to, however far its vertices are",
+          "[planner][graph][guided]") {
+  for (const Kind& kind : kinds()) {
+    CAPTURE(kind.planner);
+    PlannerRun guided = make_two_routes(kind, {{"samples", std::int64_t{30}}});
+    guided.guided = true;
+    // The start is the nearest vertex.
+    guided.guidance.always = {1.2, 7.9};
+    // A guide without a path has no opinion.
+    guided.guidance.weigh_edge = [](View, View) { return std::numeric_limits<double>::infinity(); };
+    const Solution found = guided.solve();
+    REQUIRE(found.solved());
+    CHECK(highest(found.path) == 9.0);
+    CHECK(guided.search.proposals.size() == 30);
+    CHECK(guided.guidance.outcomes.size() == 30);
+  }
+}
+
+TEST_CASE("a guided search of a graph continues where it paused", "[planner][graph][guided]") {
+  for (const Kind& kind : kinds()) {
+    for (const bool with_path : {false, true}) {
+      CAPTURE(kind.planner, with_path);
+      const auto make = [&] {
+        PlannerRun run = make_run(kind, 2);
+        run.guided = true;
+        if (with_path) run.guidance.weigh_edge = [](View a, View b) { return 1.0 + std::abs(a[1] - 9.0) + b[0]; };
+        return run;
+      };
+      PlannerRun whole = make();
+      const Solution expected = whole.solve();
+      REQUIRE(expected.solved());
+      PlannerRun sliced = make();
+      std::size_t asked = 0;
+      const Solution found = solve_in_slices(sliced, asked, [](int) {});
+      REQUIRE(found.solved());
+      CHECK(equal(found.path, expected.path));
+      CHECK(equal(sliced.search.proposals, whole.search.proposals));
+      CHECK(sliced.instance->checks.motion == whole.instance->checks.motion);
+    }
   }
 }

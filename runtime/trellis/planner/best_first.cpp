@@ -21,7 +21,10 @@ namespace trellis {
 namespace {
 
 struct BestFirstSettings : CommonSettings {
-  BestFirstSettings() { goal_bias = 0.0; }
+  BestFirstSettings() {
+    goal_bias = 0.0;
+    bound = 0.0;
+  }
   std::string model;
   BestFirstSearch::Evaluation evaluate = BestFirstSearch::Evaluation::expansion;
   std::int64_t samples = 200;
@@ -33,7 +36,9 @@ const Settings<BestFirstSettings>& best_first_settings() {
           Component::Kind::planner, "best_first",
           "greedy best-first search of an explicit graph: a path, not the shortest one, after few expansions; by "
           "Euclidean distance to the goal, or with a model by a heuristic that was learnt from the state of searches "
-          "(SaIL). Where it is guided, vertices near proposals are expanded earlier",
+          "(SaIL). Where it is guided, vertices near the guiding path are expanded earlier, or near proposals of a "
+          "guide "
+          "without a path",
           "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation; Doran and Michie 1966")
           .file("model", &BestFirstSettings::model,
                 "the search heuristic, as trellis train --search makes it; none: Euclidean distance")
@@ -45,7 +50,7 @@ const Settings<BestFirstSettings>& best_first_settings() {
               "vertex when it is expanded; \"selection\", the one to a vertex when the vertex is selected, which "
               "evaluates fewer edges and finds fewer invalid positions that the heuristic could use")
           .integer("samples", &BestFirstSettings::samples, "proposals", Range::at_least(1),
-                   "proposals drawn per search where it is guided")
+                   "proposals drawn per search where it is guided and the guide has no path")
           .positional({"model"}));
   return settings;
 }
@@ -70,7 +75,8 @@ class BestFirst final : public GraphPlanner {
           fmt::format("best_first: option 'model' needs a graph in the plane; this space ({}) has {} coordinates",
                       context_.instance.space.name(), graph.vertices.dimension()));
     }
-    if (evaluated_.begin()) {
+    const bool anew = evaluated_.begin();
+    if (anew) {
       paused_.reset();
       costs_.clear();
       for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
@@ -79,7 +85,7 @@ class BestFirst final : public GraphPlanner {
       if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
       evaluated_.renew();
     }
-    return begin_drawing();
+    return begin_drawing(anew);
   }
 
  private:
@@ -115,13 +121,16 @@ class BestFirst final : public GraphPlanner {
   }
 
   std::optional<Status> begin_search() override {
-    if (!paused_ || context_.guided || version_ != evaluated_.version()) make_search();
+    evaluated_.begin_weighing();
+    if (context_.guided || !continues()) make_search();
     return ended();
   }
 
+  [[nodiscard]] bool continues() const override { return paused_ && version_ == evaluated_.version(); }
+
   void make_search() {
     version_ = evaluated_.version();
-    const auto priority = [this, factors = priority_factors()](const SearchState& state, std::uint32_t v) {
+    const auto priority = [this](const SearchState& state, std::uint32_t v) {
       const Graph& graph = *context_.instance.graph;
       double ahead = std::numeric_limits<double>::infinity();
       if (model_) {
@@ -131,7 +140,7 @@ class BestFirst final : public GraphPlanner {
           ahead = std::min(ahead, context_.instance.space.distance(graph.vertices[v], graph.vertices[goal]));
         }
       }
-      return factors.empty() ? ahead : factors[v] * ahead;
+      return evaluated_.vertex_factor(v) * ahead;
     };
     const auto evaluate = [this](std::uint32_t e, std::uint32_t to) -> View {
       if (context_.instance.graph->verified) {
@@ -155,19 +164,6 @@ class BestFirst final : public GraphPlanner {
       any = any || grown[e] > 0.0;
     }
     return any ? grown : std::vector<double>{};
-  }
-
-  /// Factors on the vertices' priorities: 1 / (1 + s * vertices) for a vertex nearest to a share s of the guidance's
-  /// proposals. Empty without proposals.
-  [[nodiscard]] std::vector<double> priority_factors() const {
-    if (!context_.guided) return {};
-    const EvaluatedGraph::Proposals& proposals = evaluated_.proposals();
-    if (proposals.drawn == 0.0) return {};
-    const auto n = static_cast<double>(proposals.hits.size());
-    std::vector<double> factors;
-    factors.reserve(proposals.hits.size());
-    for (const double hits : proposals.hits) factors.push_back(1.0 / (1.0 + hits / proposals.drawn * n));
-    return factors;
   }
 
   BestFirstSettings settings_;

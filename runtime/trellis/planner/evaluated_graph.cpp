@@ -2,6 +2,7 @@
 #include <trellis/planner/evaluated_graph.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -23,6 +24,9 @@ bool EvaluatedGraph::begin() {
     incident_[next[edge.from]++] = {e, edge.to};
     incident_[next[edge.to]++] = {e, edge.from};
   }
+  lengths_.clear();
+  index_.reset();
+  weights_ = Weights::none;
   seen_.assign(graph_->edges.size(), 0);
   blocked_.clear();
   rows_.assign(graph_->vertices.size(), no_node);
@@ -83,30 +87,204 @@ void EvaluatedGraph::record(std::uint32_t e) {
   }
 }
 
+void EvaluatedGraph::measure() {
+  if (!lengths_.empty() || graph_->edges.empty()) return;
+  // So many pieces follow the shape of a graph's edges, and cost less than the search.
+  constexpr double pieces = 256.0;
+  const auto& vertices = std::as_const(graph_->vertices);
+  const Space& space = context_.instance.space;
+  lengths_.reserve(graph_->edges.size());
+  length_ = 0.0;
+  for (const auto& edge : graph_->edges) {
+    lengths_.push_back(edge.points.size() < 2 ? space.distance(vertices[edge.from], vertices[edge.to])
+                                              : path_length(space, edge.points));
+    length_ += lengths_.back();
+  }
+  piece_ = length_ / pieces;
+}
+
+template <class Visit>
+void EvaluatedGraph::for_pieces(std::uint32_t e, const Visit& visit) const {
+  const auto& edge = graph_->edges[e];
+  const Space& space = context_.instance.space;
+  const bool straight = edge.points.size() < 2;
+  const std::size_t last = straight ? 1 : edge.points.size() - 1;
+  const auto point = [&](std::size_t i) -> View {
+    return straight ? std::as_const(graph_->vertices)[i == 0 ? edge.from : edge.to] : std::as_const(edge.points)[i];
+  };
+  const double pieces = piece_ > 0.0 ? std::max(1.0, std::ceil(lengths_[e] / piece_)) : 1.0;
+  std::size_t at = 0;
+  double before = 0.0;
+  double segment = space.distance(point(0), point(1));
+  Configuration from(point(0).begin(), point(0).end());
+  Configuration to(from.size());
+  for (double k = 1.0; k <= pieces; k += 1.0) {
+    const double end = lengths_[e] * k / pieces;
+    while (at + 1 < last && before + segment < end) {
+      before += segment;
+      ++at;
+      segment = space.distance(point(at), point(at + 1));
+    }
+    space.interpolate(point(at), point(at + 1), segment > 0.0 ? std::clamp((end - before) / segment, 0.0, 1.0) : 1.0,
+                      to);
+    visit(from, to);
+    std::swap(from, to);
+  }
+}
+
+double EvaluatedGraph::path_factor(std::uint32_t e) const {
+  double sum = 0.0;
+  double pieces = 0.0;
+  for_pieces(e, [&](View from, View to) {
+    sum += context_.guidance.edge_factor(from, to);
+    pieces += 1.0;
+  });
+  return sum / pieces;
+}
+
+void EvaluatedGraph::make_index() {
+  if (index_) return;
+  measure();
+  const Space& space = context_.instance.space;
+  index_.emplace(space);
+  middles_ = Configurations(space.dimension());
+  middle_edge_.clear();
+  Configuration middle(space.dimension());
+  for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
+    for_pieces(e, [&](View from, View to) {
+      space.interpolate(from, to, 0.5, middle);
+      index_->add(middle);
+      middles_.push(middle);
+      middle_edge_.push_back(e);
+    });
+  }
+}
+
 void EvaluatedGraph::begin_proposals(std::int64_t samples) {
-  const Graph& graph = *context_.instance.graph;
-  index_.emplace(context_.instance.space);
-  for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index_->add(graph.vertices[v]);
-  proposals_ = {std::vector<double>(graph.vertices.size(), 0.0), 0.0};
+  hits_.assign(graph_->edges.size(), 0.0);
+  drawn_ = 0.0;
+  paths_ = false;
   proposals_left_ = samples;
   connected_ = reachable();
   sample_.resize(context_.instance.space.dimension());
 }
 
 void EvaluatedGraph::draw_proposal() {
-  const Graph& graph = *context_.instance.graph;
   propose(context_, sample_);
-  const auto near = index_->nearest(sample_);
-  proposals_.hits[near.id] += 1.0;
-  proposals_.drawn += 1.0;
+  drawn_ += 1.0;
   --proposals_left_;
   Outcome outcome;
   outcome.proposal = sample_;
-  outcome.near = std::as_const(graph.vertices)[near.id];
+  // Where the guidance has paths, one proposal is enough, and needs no index.
+  if (drawn_ > 1.0 && !index_) {
+    make_index();
+    hit(first_proposal_);
+  }
+  if (!index_) {
+    first_proposal_ = sample_;
+    const std::uint32_t near = nearest_vertex(sample_);
+    outcome.near = std::as_const(graph_->vertices)[near];
+    outcome.connected = connected_[near] != 0;
+  } else if (index_->size() > 0) {
+    const std::uint32_t near = hit(sample_);
+    outcome.near = std::as_const(middles_)[near];
+    outcome.connected = connected_[graph_->edges[middle_edge_[near]].from] != 0;
+  }
   outcome.added = outcome.near;
-  outcome.fate = Fate::advanced;
-  outcome.connected = connected_[near.id] != 0;
+  outcome.fate = outcome.added.empty() ? Fate::rejected : Fate::advanced;
   record_outcome(context_, outcome);
+}
+
+std::uint32_t EvaluatedGraph::hit(View q) {
+  if (index_->size() == 0) return none;
+  const std::uint32_t near = index_->nearest(q).id;
+  hits_[middle_edge_[near]] += 1.0;
+  return near;
+}
+
+std::uint32_t EvaluatedGraph::nearest_vertex(View q) const {
+  std::uint32_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t v = 0; v < graph_->vertices.size(); ++v) {
+    const double squared = context_.instance.space.squared_distance(std::as_const(graph_->vertices)[v], q);
+    if (squared >= least) continue;
+    least = squared;
+    nearest = v;
+  }
+  return nearest;
+}
+
+bool EvaluatedGraph::finds_paths() {
+  const auto drawn = static_cast<std::uint64_t>(drawn_);
+  // Its first proposal lets the guidance search, if it has to.
+  if (drawn == 0 || (drawn & (drawn - 1)) != 0) return false;
+  ask_for_paths();
+  return paths_;
+}
+
+void EvaluatedGraph::ask_for_paths() {
+  constexpr std::size_t asked = 8;
+  paths_ = false;
+  measure();
+  for (std::size_t i = 0; i < asked && !graph_->edges.empty(); ++i) {
+    const double factor = path_factor(static_cast<std::uint32_t>(i * graph_->edges.size() / asked));
+    // Without a path, all factors are 1 or infinite.
+    if (factor == 1.0) continue;
+    paths_ = std::isfinite(factor);
+    return;
+  }
+}
+
+void EvaluatedGraph::begin_weighing() {
+  weights_ = Weights::none;
+  if (!context_.guided || graph_->edges.empty()) return;
+  if (!paths_) ask_for_paths();
+  weights_ = paths_ ? Weights::paths : drawn_ > 0.0 ? Weights::proposals : Weights::none;
+  if (weights_ == Weights::proposals && !index_) {
+    make_index();
+    hit(first_proposal_);
+  }
+  edge_factors_.assign(graph_->edges.size(), 0.0);
+  vertex_factors_.assign(graph_->vertices.size(), 0.0);
+}
+
+double EvaluatedGraph::edge_factor(std::uint32_t e) {
+  if (weights_ == Weights::none) return 1.0;
+  double& factor = edge_factors_[e];
+  if (factor > 0.0) return factor;
+  if (weights_ == Weights::paths) {
+    const auto& edge = graph_->edges[e];
+    // The edges of a vertex share its distance from the paths, where they are short.
+    const bool is_short = lengths_[e] <= piece_ && edge.points.size() < 2;
+    factor = is_short ? 0.5 * (vertex_factor(edge.from) + vertex_factor(edge.to)) : path_factor(e);
+  } else {
+    // One more of each, so that the few proposals of a large graph do not decide alone.
+    const double expected = length_ > 0.0 ? drawn_ * lengths_[e] / length_ : 0.0;
+    factor = 1.0 / (1.0 + (hits_[e] + 1.0) / (expected + 1.0));
+  }
+  return factor;
+}
+
+double EvaluatedGraph::least_edge_factor() {
+  if (weights_ != Weights::proposals) return 1.0;
+  double least = 1.0;
+  for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) least = std::min(least, edge_factor(e));
+  return least;
+}
+
+double EvaluatedGraph::vertex_factor(std::uint32_t v) {
+  if (weights_ == Weights::none) return 1.0;
+  double& factor = vertex_factors_[v];
+  if (factor > 0.0) return factor;
+  if (weights_ == Weights::paths) {
+    const View at = std::as_const(graph_->vertices)[v];
+    factor = context_.guidance.edge_factor(at, at);
+  } else {
+    double sum = 0.0;
+    for (const Incident& next : incident(v)) sum += edge_factor(next.edge);
+    factor = incident(v).empty() ? 1.0 : sum / static_cast<double>(incident(v).size());
+  }
+  return factor;
 }
 
 Status EvaluatedGraph::result(const std::vector<char>& reached) const {
@@ -175,17 +353,25 @@ std::vector<char> EvaluatedGraph::reachable() const {
   return reached;
 }
 
-std::optional<Status> GraphPlanner::begin_drawing() {
-  drawing_ = context_.guided;
-  if (!drawing_) return begin_search();
+std::optional<Status> GraphPlanner::begin_drawing(bool anew) {
+  const bool resumes = std::exchange(paused_, false) && !anew;
+  if (!context_.guided) return begin_search();
+  if (resumes && (drawing_ || continues())) return std::nullopt;
+  drawing_ = true;
   evaluated_.begin_proposals(samples_);
   return std::nullopt;
 }
 
 std::optional<Status> GraphPlanner::step() {
   if (!drawing_) return search_step();
+  if (evaluated_.finds_paths()) return end_drawing();
   evaluated_.draw_proposal();
   return evaluated_.proposals_left() > 0 ? std::nullopt : end_drawing();
+}
+
+std::optional<Status> GraphPlanner::stopped(Status limit) {
+  paused_ = limit == Status::paused || limit == Status::interrupted;
+  return drawing_ && !paused_ ? end_drawing() : std::optional(limit);
 }
 
 Solution GraphPlanner::solution(Status status) {

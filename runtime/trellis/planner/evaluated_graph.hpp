@@ -70,12 +70,21 @@ class EvaluatedGraph {
   void draw_proposal();
   /// How many are left to draw.
   [[nodiscard]] std::int64_t proposals_left() const { return proposals_left_; }
-  /// Counts for each vertex the proposals drawn that are nearest to it.
-  struct Proposals {
-    std::vector<double> hits;
-    double drawn = 0.0;
-  };
-  [[nodiscard]] const Proposals& proposals() const { return proposals_; }
+  /// Whether the guidance has paths that weigh the edges: then no further proposals are required. Asks after each power
+  /// of two of proposals, for a few edges.
+  [[nodiscard]] bool finds_paths();
+
+  /// Begins to weigh edges and vertices for a search: by the guidance's paths if it has any, else by the proposals
+  /// drawn, else not at all.
+  void begin_weighing();
+  /// The factor on an edge's cost: the mean of Guidance::edge_factor along the whole edge; or, by proposals, 1 / (1 +
+  /// r), where r is the number of proposals that are nearest to the edge by the number expected of its length, each
+  /// plus 1.
+  [[nodiscard]] double edge_factor(std::uint32_t edge);
+  /// A lower bound of `edge_factor` over all edges.
+  [[nodiscard]] double least_edge_factor();
+  /// The same at a vertex; by proposals, the mean over its edges.
+  [[nodiscard]] double vertex_factor(std::uint32_t vertex);
 
   /// The result of a search that has ended: solved if it reached a goal, else no_path.
   /// \param reached  for each vertex, whether the search reached it
@@ -96,14 +105,42 @@ class EvaluatedGraph {
   /// graph, and edges presumed valid, count as connections.
   [[nodiscard]] std::vector<char> reachable() const;
 
+  enum class Weights : std::uint8_t { none, paths, proposals };
+
+  /// Computes the lengths of the edges, when first needed.
+  void measure();
+  /// Calls `visit(from, to)` for the pieces of an edge, at most `piece_` long, in order. Requires `measure`.
+  template <class Visit>
+  void for_pieces(std::uint32_t edge, const Visit& visit) const;
+  /// The mean of the guidance's factor along an edge; infinite if the guidance has no path.
+  [[nodiscard]] double path_factor(std::uint32_t edge) const;
+  /// Sets `paths_`: asks for the factors of a few edges.
+  void ask_for_paths();
+  /// Makes the index of the edges' pieces, when first needed.
+  void make_index();
+  /// Counts a proposal for the edge nearest to it. Requires the index. Returns the row of `middles_`.
+  std::uint32_t hit(View q);
+  [[nodiscard]] std::uint32_t nearest_vertex(View q) const;
+
   PlannerContext& context_;
-  Proposals proposals_;
+  std::vector<double> lengths_;             ///< per edge, in metres in the metric; empty until measured
+  double length_ = 0.0;                     ///< sum of `lengths_`
+  double piece_ = 0.0;                      ///< longest piece of an edge, in metres in the metric
+  std::optional<NearestIndex> index_;       ///< middles of the pieces of all edges
+  Configurations middles_;                  ///< the points of the index
+  std::vector<std::uint32_t> middle_edge_;  ///< for each of them, its edge
+  std::vector<double> hits_;                ///< per edge: number of proposals nearest to it
+  double drawn_ = 0.0;                      ///< number of proposals
   std::int64_t proposals_left_ = 0;
-  std::optional<NearestIndex> index_;  ///< of the vertices, while proposals are drawn
-  std::vector<char> connected_;        ///< `reachable` when the proposals began
+  Configuration first_proposal_;  ///< the first proposal, which has no index yet
+  std::vector<char> connected_;   ///< `reachable` when the proposals began
   Configuration sample_;
-  std::shared_ptr<Graph> graph_;      ///< the graph that the other members refer to
-  std::vector<std::uint32_t> first_;  ///< per vertex: its first edge in `incident_`; then the size of that
+  bool paths_ = false;  ///< the guidance had paths when last asked
+  Weights weights_ = Weights::none;
+  std::vector<double> edge_factors_;    ///< those computed; else 0
+  std::vector<double> vertex_factors_;  ///< those computed; else 0
+  std::shared_ptr<Graph> graph_;        ///< the graph that the other members refer to
+  std::vector<std::uint32_t> first_;    ///< per vertex: its first edge in `incident_`; then the size of that
   std::vector<Incident> incident_;
   std::vector<char> seen_;  ///< per edge: whether it was recorded, or the result of its evaluation
   std::map<std::uint32_t, Configuration> blocked_;  ///< first invalid configuration of each invalid edge
@@ -111,14 +148,16 @@ class EvaluatedGraph {
   std::uint64_t epoch_ = 0;                         ///< epoch of the validity that `seen_` refers to
 };
 
-/// Shared by the planners of explicit graphs: where they are guided, each search draws its proposals first.
+/// Shared by the planners of explicit graphs. Where they are guided, each search first draws proposals, until the
+/// guidance has paths or all proposals are drawn; then it weighs the edges. A search that pauses continues where it
+/// was.
 class GraphPlanner : public Planner {
  public:
   /// The search draws no more proposals, so the limit of proposals must not end it.
   [[nodiscard]] bool draws() const final { return drawing_; }
   std::optional<Status> step() final;
-  /// The search uses the proposals drawn so far.
-  std::optional<Status> stopped(Status limit) final { return drawing_ ? end_drawing() : std::optional(limit); }
+  /// If a budget is spent, the search uses the proposals drawn so far.
+  std::optional<Status> stopped(Status limit) final;
   [[nodiscard]] Solution solution(Status status) final;
 
  protected:
@@ -126,10 +165,13 @@ class GraphPlanner : public Planner {
   GraphPlanner(std::int64_t samples, PlannerContext context)
       : Planner(std::move(context)), evaluated_(context_), samples_(samples) {}
 
-  /// Begins to draw proposals; without a guide, begins the search.
-  std::optional<Status> begin_drawing();
+  /// Begins to draw proposals, or continues what a pause ended; without a guide, begins the search.
+  /// \param anew  whether the graph is another one than before
+  std::optional<Status> begin_drawing(bool anew);
   /// Begins the search, or continues one that a limit ended. Returns the status if it ends here.
   virtual std::optional<Status> begin_search() = 0;
+  /// Whether there is a paused search of the graph as it is now.
+  [[nodiscard]] virtual bool continues() const = 0;
   /// Takes a step of the search. Returns the status if it ends.
   virtual std::optional<Status> search_step() = 0;
   /// The solution of the search, which has begun.
@@ -142,6 +184,7 @@ class GraphPlanner : public Planner {
 
   std::int64_t samples_;
   bool drawing_ = false;
+  bool paused_ = false;  ///< while it drew proposals or searched
 };
 
 }  // namespace trellis

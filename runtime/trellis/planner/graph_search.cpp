@@ -17,7 +17,10 @@ namespace trellis {
 namespace {
 
 struct GraphSearchSettings : CommonSettings {
-  GraphSearchSettings() { goal_bias = 0.0; }
+  GraphSearchSettings() {
+    goal_bias = 0.0;
+    bound = 0.0;
+  }
   std::int64_t samples = 200;
 };
 
@@ -25,11 +28,12 @@ const Settings<GraphSearchSettings>& graph_search_settings() {
   static const Settings<GraphSearchSettings> settings = with_common(
       Settings<GraphSearchSettings>(
           Component::Kind::planner, "graph_search",
-          "exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper; "
-          "edges that no search has checked yet are checked when the search reaches them (A*)",
+          "exact shortest path on an explicit graph; where it is guided, an edge costs the more, the farther it lies "
+          "from the guiding path along its whole length; a guide without a path draws proposals, which make the edges "
+          "nearest to them cheaper; edges that no search has checked yet are checked when the search reaches them (A*)",
           "Dijkstra 1959; Hart, Nilsson and Raphael 1968")
           .integer("samples", &GraphSearchSettings::samples, "proposals", Range::at_least(1),
-                   "proposals drawn per search where it is guided"));
+                   "proposals drawn per search where it is guided and the guide has no path"));
   return settings;
 }
 
@@ -40,8 +44,9 @@ class GraphSearch final : public GraphPlanner {
 
   std::optional<Status> begin(const Budget& budget) override {
     static_cast<void>(budget);
-    if (evaluated_.begin()) paused_.reset();
-    return begin_drawing();
+    const bool anew = evaluated_.begin();
+    if (anew) paused_.reset();
+    return begin_drawing(anew);
   }
 
  private:
@@ -54,7 +59,7 @@ class GraphSearch final : public GraphPlanner {
     std::vector<char> done;
   };
 
-  void dijkstra(const Graph& graph, const std::vector<double>& cost, Tree& tree) {
+  void dijkstra(const Graph& graph, Tree& tree) {
     auto& [parent, done] = tree;
     std::vector<double> distance(graph.vertices.size(), std::numeric_limits<double>::infinity());
     using Entry = std::pair<double, std::uint32_t>;
@@ -68,8 +73,9 @@ class GraphSearch final : public GraphPlanner {
       done[v] = 1;
       for (const auto& [e, next] : evaluated_.incident(v)) {
         evaluated_.record(e);
-        if (d + cost[e] < distance[next]) {
-          distance[next] = d + cost[e];
+        const double to = d + cost(e);
+        if (to < distance[next]) {
+          distance[next] = to;
           parent[next] = e;
           queue.emplace(distance[next], next);
         }
@@ -92,15 +98,10 @@ class GraphSearch final : public GraphPlanner {
       }
     };
 
-    /// \param reduced  whether costs may be less than those of the graph
-    Verifying(const Instance& instance, EvaluatedGraph::Version of, std::vector<double> costs, bool reduced)
-        : version(std::move(of)), cost(std::move(costs)), tree(*instance.graph), to_goal(tree.done.size(), unknown) {
-      const Graph& graph = *instance.graph;
-      // The remaining path costs at least its length times the lowest rate.
-      for (std::size_t e = 0; reduced && e < cost.size(); ++e) {
-        if (graph.edges[e].cost > 0.0) rate = std::min(rate, cost[e] / graph.edges[e].cost);
-      }
-      queue.push({ahead(instance, graph.start), 0.0, graph.start, EvaluatedGraph::none});
+    /// \param lowest the lowest factor on the costs of edges
+    Verifying(const Instance& instance, EvaluatedGraph::Version of, double lowest)
+        : version(std::move(of)), tree(*instance.graph), to_goal(tree.done.size(), unknown), rate(lowest) {
+      queue.push({ahead(instance, instance.graph->start), 0.0, instance.graph->start, EvaluatedGraph::none});
     }
 
     /// A lower bound of the cost of a path from the vertex to a goal.
@@ -118,17 +119,13 @@ class GraphSearch final : public GraphPlanner {
 
     static constexpr double unknown = -1.0;
     EvaluatedGraph::Version version;
-    std::vector<double> cost;
     Tree tree;
     std::vector<double> to_goal;  ///< distances of the vertices to the nearest goal, metres in the metric; or unknown
-    double rate = 1.0;
+    double rate;                  ///< the remaining path costs at least its length times this
     std::priority_queue<Entry, std::vector<Entry>, Later> queue;
   };
 
-  /// Whether a search was paused that has not become another one since.
-  [[nodiscard]] bool continues() const {
-    return paused_ && !context_.guided && paused_->version == evaluated_.version();
-  }
+  [[nodiscard]] bool continues() const override { return paused_ && paused_->version == evaluated_.version(); }
 
   [[nodiscard]] Solution found(Status status) override {
     const Tree& tree = paused_ ? paused_->tree : ended_;
@@ -138,14 +135,17 @@ class GraphSearch final : public GraphPlanner {
   /// A search of a verified graph ends at once.
   std::optional<Status> begin_search() override {
     const Graph& graph = *context_.instance.graph;
+    evaluated_.begin_weighing();
     if (graph.verified) {
       ended_ = Tree(graph);
-      dijkstra(graph, weighed(), ended_);
+      dijkstra(graph, ended_);
       return evaluated_.result(ended_.done);
     }
     if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
     evaluated_.renew();
-    if (!continues()) paused_.emplace(context_.instance, evaluated_.version(), weighed(), context_.guided);
+    if (context_.guided || !continues()) {
+      paused_.emplace(context_.instance, evaluated_.version(), evaluated_.least_edge_factor());
+    }
     return std::nullopt;
   }
 
@@ -165,8 +165,8 @@ class GraphSearch final : public GraphPlanner {
       if (graph.is_goal(v)) return end_search();
       for (const auto& [e, next] : evaluated_.incident(v)) {
         if (done[next] != 0) continue;
-        const double cost = entry.cost + paused_->cost[e];
-        queue.push({cost + paused_->ahead(context_.instance, next), cost, next, e});
+        const double to = entry.cost + cost(e);
+        queue.push({to + paused_->ahead(context_.instance, next), to, next, e});
       }
     }
     while (!queue.empty() && done[queue.top().vertex] != 0) queue.pop();
@@ -179,23 +179,9 @@ class GraphSearch final : public GraphPlanner {
     return evaluated_.result(ended_.done);
   }
 
-  /// The edges' costs, reduced near the guidance's proposals: an edge whose ends are nearest to a share s of them costs
-  /// length / (1 + s * vertices). With the share of the mean vertex it costs half.
-  std::vector<double> weighed() {
-    const Graph& graph = *context_.instance.graph;
-    std::vector<double> cost;
-    cost.reserve(graph.edges.size());
-    for (const auto& edge : graph.edges) cost.push_back(edge.cost);
-    if (!context_.guided) return cost;
-    const EvaluatedGraph::Proposals& proposals = evaluated_.proposals();
-    if (proposals.drawn == 0.0) return cost;
-    const auto n = static_cast<double>(graph.vertices.size());
-    for (std::size_t e = 0; e < cost.size(); ++e) {
-      const double share =
-          0.5 * (proposals.hits[graph.edges[e].from] + proposals.hits[graph.edges[e].to]) / proposals.drawn;
-      cost[e] /= 1.0 + share * n;
-    }
-    return cost;
+  /// The cost of an edge, with the guidance's factor.
+  [[nodiscard]] double cost(std::uint32_t edge) {
+    return context_.instance.graph->edges[edge].cost * evaluated_.edge_factor(edge);
   }
 
   std::optional<Verifying> paused_;  ///< the search of an unverified graph until it ends

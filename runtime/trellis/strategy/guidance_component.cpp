@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/guide/along_path.hpp>
 #include <trellis/guide/custom.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/strategy/checks.hpp>
@@ -123,6 +124,7 @@ class ComponentGuidance final : public SearchedGuidance {
     if (level_ || custom_) made_at_ = never;
   }
   [[nodiscard]] double edge_factor(View a, View b) const override {
+    if (parent_.instance().graph) return graph_factor(a, b);
     return heuristic_ ? heuristic_->edge_factor(a, b) : 1.0;
   }
   Source sample(Stream& stream, MutableView out) override {
@@ -195,6 +197,15 @@ class ComponentGuidance final : public SearchedGuidance {
  private:
   using Reason = std::uint64_t Resolves::*;
 
+  /// The factor of an edge of an explicit graph: the whole path weighs it. Infinite without a path, so that the other
+  /// parts of a combination decide.
+  [[nodiscard]] double graph_factor(View a, View b) const {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    if (!heuristic_ || renewing_ || heuristic_->stale()) return none;
+    if (!along_) along_.emplace(parent_.instance(), heuristic_->lifted_path());
+    return along_->empty() ? none : along_->factor(a, b);
+  }
+
   /// \param reason  the kind of report that the heuristic just received
   void count_refutation(Reason reason) {
     if (!heuristic_->stale()) return;
@@ -249,6 +260,7 @@ class ComponentGuidance final : public SearchedGuidance {
     if (heuristic_) progress_ += heuristic_->progress();
     made_at_ = parent_.instance().epoch();
     if (level_) guide_->searched(level_->record().search);
+    along_.reset();
     heuristic_ = located([&] { return guide_->heuristic(parent_.instance(), sub, found); });
     heuristic_->select_tree(side_);
     // The remaining nodes keep their progress; the rest has to be earned again.
@@ -346,6 +358,7 @@ class ComponentGuidance final : public SearchedGuidance {
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
+  mutable std::optional<AlongPath> along_;                             ///< h's path, if it weighs a graph
   std::optional<Known> known_;                                         ///< if f depends on it
   std::size_t proposals_ = 0;                                          ///< of C, when the last outcome was received
   bool again_ = false;                                                 ///< f is applied again before the next search

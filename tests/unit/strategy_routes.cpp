@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The law of a hierarchy: what a level found reaches the level above. For every pair a >> b of the catalogue, another
+// route of a gives another route of b, and where b's space has positions, on the same side of an obstacle.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <queue>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/custom.hpp>
+#include <trellis/guide/guide.hpp>
+#include <trellis/instance/edge_evaluator.hpp>
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/refuses.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+constexpr double middle_x = 5.0;
+constexpr double middle_y = 5.0;
+
+/// A block halfway, with as much room above it as below it.
+Problem block_problem() {
+  return test::make_problem("block", test::rectangle_world({{3.5, 3, 6.5, 7}}), test::rectangle_robot(), {1, 5, 0},
+                            {9, 5, 0});
+}
+
+enum class Side { below = -1, above = 1 };
+
+/// A path in a space, past the block on one side; in a space without positions, with its second coordinate in the place
+/// of y.
+Configurations path_past(const Instance& instance, Side side) {
+  const std::size_t axis = instance.position_axes.size() == 2 ? instance.position_axes[1]
+                           : instance.space.dimension() > 1   ? 1
+                                                              : 0;
+  const Axis& y = instance.space.axes()[axis];
+  const double beside = 0.5 * (y.lo + y.hi) + static_cast<double>(side) * 0.35 * (y.hi - y.lo);
+  Configurations corners(instance.space.dimension());
+  corners.push(instance.start);
+  for (const double t : {0.2, 0.8}) {
+    Configuration q(instance.space.dimension());
+    instance.space.interpolate(instance.start, instance.goal(), t, q);
+    q[axis] = beside;
+    corners.push(q);
+  }
+  corners.push(instance.goal());
+  Configurations path(instance.space.dimension());
+  Configuration q(instance.space.dimension());
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    constexpr int pieces = 20;
+    for (int k = i == 0 ? 0 : 1; k <= pieces; ++k) {
+      instance.space.interpolate(corners[i], corners[i + 1], static_cast<double>(k) / pieces, q);
+      path.push(q);
+    }
+  }
+  return path;
+}
+
+/// The shortest path of a graph of positions, past the block on one side. Empty if there is none.
+Configurations graph_path_past(const Instance& instance, Side side) {
+  const Graph& graph = *instance.graph;
+  const auto& vertices = std::as_const(graph.vertices);
+  const auto allowed = [&](View q) {
+    return std::abs(q[0] - middle_x) > 1.0 || (q[1] - middle_y) * static_cast<double>(side) > 0.0;
+  };
+  std::vector<double> cost(vertices.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::uint32_t> parent(vertices.size(), 0);
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  cost[graph.start] = 0.0;
+  queue.emplace(0.0, graph.start);
+  while (!queue.empty()) {
+    const auto [c, v] = queue.top();
+    queue.pop();
+    if (c > cost[v]) continue;
+    for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
+      const Graph::Edge& edge = graph.edges[e];
+      if (edge.from != v && edge.to != v) continue;
+      const std::uint32_t next = edge.from == v ? edge.to : edge.from;
+      bool open = allowed(vertices[next]);
+      for (std::size_t i = 0; i < edge.points.size(); ++i) open = open && allowed(edge.points[i]);
+      if (!open || c + edge.cost >= cost[next]) continue;
+      if (!graph.verified && !instance.validity->motion(vertices[v], vertices[next]).valid) continue;
+      cost[next] = c + edge.cost;
+      parent[next] = e;
+      queue.emplace(cost[next], next);
+    }
+  }
+  Configurations path(instance.space.dimension());
+  const std::uint32_t goal = graph.goals.front();
+  if (!std::isfinite(cost[goal])) return path;
+  std::vector<Configuration> back;
+  for (std::uint32_t at = goal; at != graph.start;) {
+    const Graph::Edge& edge = graph.edges[parent[at]];
+    const bool forward = edge.to == at;
+    const std::size_t n = edge.points.size();
+    if (n == 0) back.emplace_back(vertices[at].begin(), vertices[at].end());
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      const View q = edge.points[forward ? n - 1 - i : i];
+      back.emplace_back(q.begin(), q.end());
+    }
+    at = forward ? edge.from : edge.to;
+  }
+  path.push(vertices[graph.start]);
+  for (auto q = back.rbegin(); q != back.rend(); ++q) path.push(*q);
+  return path;
+}
+
+/// A guide of the catalogue whose search always finds the path past one side of the block.
+/// \param followed  receives the path that its h follows
+class Forced final : public Guide, public SpendsParentsChecks {
+ public:
+  Forced(const GuideKind& kind, Side side, Configurations& followed)
+      : guide_(kind.make(Options::validate(*kind.component, {}))), side_(side), followed_(followed) {}
+
+  std::unique_ptr<Instance> project(const Instance& parent) override { return guide_->project(parent); }
+  void attach(Instance& sub) override { guide_->attach(sub); }
+  void attach_parent(Instance& parent, bool guided) override {
+    if (auto* spender = dynamic_cast<SpendsParentsChecks*>(guide_.get())) spender->attach_parent(parent, guided);
+  }
+  void project(View q, MutableView s) const override { guide_->project(q, s); }
+  void lift(View s, Stream& stream, MutableView q) const override { guide_->lift(s, stream, q); }
+  [[nodiscard]] double log_fibre_density(View q) const override { return guide_->log_fibre_density(q); }
+  [[nodiscard]] bool closed_fibre() const override { return guide_->closed_fibre(); }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution*) override {
+    Solution forced;
+    forced.status = Status::solved;
+    if (sub->graph) {
+      forced.path = graph_path_past(*sub, side_);
+    } else {
+      forced.path = Configurations(sub->space.dimension());
+      const Configurations path = path_past(parent, side_);
+      Configuration s(sub->space.dimension());
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        guide_->project(path[i], s);
+        forced.path.push(s);
+      }
+    }
+    auto h = guide_->heuristic(parent, sub, &forced);
+    if (followed_.empty()) followed_ = h->lifted_path();
+    return h;
+  }
+  void searched(const Search& search) override { guide_->searched(search); }
+  [[nodiscard]] double effort() const override { return guide_->effort(); }
+  [[nodiscard]] double effort_again() const override { return guide_->effort_again(); }
+  [[nodiscard]] Configurations refuted_places() const override { return guide_->refuted_places(); }
+  void avoid(View place) override { guide_->avoid(place); }
+  Configurations take_lost_places() override { return guide_->take_lost_places(); }
+  void found_invalid(View q) override { guide_->found_invalid(q); }
+  Configurations take_found_invalid() override { return guide_->take_found_invalid(); }
+  void learn(const Outcome& outcome) override { guide_->learn(outcome); }
+  void restart() override { guide_->restart(); }
+  void before_resolve() override { guide_->before_resolve(); }
+  void no_other_path() override { guide_->no_other_path(); }
+
+ private:
+  std::unique_ptr<Guide> guide_;
+  Side side_;
+  Configurations& followed_;
+};
+
+class ForcedKind final : public CustomGuide {
+ public:
+  ForcedKind(const GuideKind& kind, Side side, Configurations& followed)
+      : CustomGuide({.name = kind.component->name,
+                     .identity = kind.component->name + (side == Side::above ? " above" : " below"),
+                     .default_planner = kind.default_planner,
+                     .resolves = 0}),
+        kind_(kind),
+        side_(side),
+        followed_(followed) {}
+  [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite&) const override {
+    return std::make_unique<Forced>(kind_, side_, followed_);
+  }
+
+ private:
+  const GuideKind& kind_;
+  Side side_;
+  Configurations& followed_;
+};
+
+/// b with the planner that searches its space where it is guided, without a bound.
+GuideSpec unbounded(const GuideKind& kind) {
+  std::vector<Options::Entry> options = kind.guided_planner.options;
+  options.emplace_back("bound", 0.0);
+  const std::string& name = kind.guided_planner.name.empty() ? kind.default_planner : kind.guided_planner.name;
+  return GuideSpec::make(kind.component->name, {}, PlannerSpec::make(name, options));
+}
+
+struct ForcedRun {
+  Configurations followed;  ///< the path that a's h follows first
+  RunRecord run;
+};
+
+ForcedRun run_forced(const GuideKind& a, const GuideKind& b, Side side, std::uint64_t seed) {
+  static const Problem problem = block_problem();
+  ForcedRun result;
+  const auto forced = std::make_shared<ForcedKind>(a, side, result.followed);
+  const PlannerSpec root = PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}, {"proposals", std::int64_t{300}}});
+  result.run = execute(GuideSpec::make(forced) >> unbounded(b) >> root, problem, seed);
+  return result;
+}
+
+const LevelRecord& level_of(const RunRecord& run, const std::string& guide) {
+  const auto found = std::find_if(run.levels.begin(), run.levels.end(), [&](const LevelRecord& level) {
+    return level.depth == 1 && level.name.starts_with(guide);
+  });
+  REQUIRE(found != run.levels.end());
+  return *found;
+}
+
+/// The mean height over the middle line of a level's path, beside the block.
+double height(const LevelRecord& level) {
+  const Configurations& path = level.solution.path;
+  double sum = 0.0;
+  double n = 0.0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (std::abs(path[i][level.position_axes[0]] - middle_x) > 2.0) continue;
+    sum += path[i][level.position_axes[1]] - middle_y;
+    n += 1.0;
+  }
+  return sum / n;
+}
+
+bool equal(const Configurations& a, const Configurations& b) {
+  return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
+}
+
+/// Whether a space is searched, so that there can be a route.
+bool searches(const GuideKind& kind) { return !kind.default_planner.empty(); }
+
+}  // namespace
+
+TEST_CASE("another route of a gives another route of b, for every pair a >> b", "[strategy][routes]") {
+  constexpr int seeds = 3;
+  int pairs = 0;
+  int runs = 0;
+  int followed = 0;
+  for (const GuideKind& a : guide_kinds()) {
+    for (const GuideKind& b : guide_kinds()) {
+      if (!searches(a) || !searches(b) || test::refuses(a, b, block_problem())) continue;
+      CAPTURE(a.component->name, b.component->name);
+      bool applies = false;
+      for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const ForcedRun up = run_forced(a, b, Side::above, seed);
+        const ForcedRun down = run_forced(a, b, Side::below, seed);
+        // f may map both routes to one, or h have none, as that of a library without paths.
+        if (up.followed.empty() || equal(up.followed, down.followed)) continue;
+        const LevelRecord& above = level_of(up.run, b.component->name);
+        const LevelRecord& below = level_of(down.run, b.component->name);
+        // b's space may have no path at all.
+        if (!above.solution.solved() && !below.solution.solved()) continue;
+        applies = true;
+        CHECK_FALSE(equal(above.solution.path, below.solution.path));
+        if (above.position_axes.size() != 2) continue;
+        const bool follows = height(above) > 0.0 && height(below) < 0.0;
+        // A tree may grow past the other side before its guide does.
+        if (find_planner(b.default_planner)->graph) CHECK(follows);
+        ++runs;
+        followed += follows ? 1 : 0;
+      }
+      pairs += applies ? 1 : 0;
+    }
+  }
+  CHECK(pairs >= 110);
+  CHECK(followed >= runs * 95 / 100);
+}
