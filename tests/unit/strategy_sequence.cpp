@@ -360,33 +360,70 @@ TEST_CASE("a space leaves out what evidence refuted in the space before it", "[s
   }
 }
 
-TEST_CASE("a skeleton goes round what another space's evidence refuted", "[strategy][sequence]") {
+TEST_CASE("a graph of positions goes round what another space's evidence refuted", "[strategy][sequence]") {
   // Two gaps; the lower one is nearer.
   const auto problem = test::make_problem(
-      "two gaps", test::rectangle_world({{4.5, 0, 5.5, 4.5}, {4.5, 5.5, 5.5, 8.5}, {4.5, 9.5, 5.5, 10}}),
+      "two gaps", test::rectangle_world({{4.5, 0, 5.5, 4.75}, {4.5, 5.25, 5.5, 8.5}, {4.5, 9.5, 5.5, 10}}),
       test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
+  using Given = std::vector<Options::Entry>;
+  const std::vector<std::pair<std::string, Given>> guides = {
+      {"skeleton", {}}, {"workspace", {}}, {"workspace", {{"lift", std::string("path")}}}};
+  for (const auto& [name, given] : guides) {
+    CAPTURE(name, given.size());
+    const auto parent = make_instance(problem);
+    const GuideKind& kind = *find_guide(name);
+    const auto made = kind.make(Options::validate(*kind.component, given));
+    const auto sub = made->project(*parent);
+    made->attach(*sub);
+    Solution found;
+    const auto height = [&] {
+      UniformGuidance uniform(sub->space);
+      Search search(2);
+      const PlannerKind& planner = *find_planner("graph_search");
+      found =
+          planner.make(Options::validate(*planner.component, {}), {*sub, uniform, Stream(1, "", ""), search, false})
+              ->solve({});
+      REQUIRE(found.solved());
+      double highest = 0.0;
+      for (std::size_t i = 0; i < found.path.size(); ++i) highest = std::max(highest, found.path[i][1]);
+      return highest;
+    };
+    CHECK(height() < 8.0);
+    const auto h = made->heuristic(*parent, sub.get(), &found);
+    CHECK_FALSE(h->stale());
+    // A place beside the path refutes nothing.
+    made->avoid(Configuration{9.9, 0.1, 0});
+    CHECK_FALSE(h->stale());
+    CHECK(height() < 8.0);
+    made->take_lost_places();
+    const std::size_t before = made->refuted_places().size();
+    const auto revision = sub->graph->revision;
+    made->avoid(Configuration{5, 5, 0});
+    CHECK(h->stale());
+    CHECK(sub->graph->revision > revision);
+    // It says so to the next guide of C and to the guide of S; and twice is once.
+    CHECK(made->refuted_places().size() == before + 1);
+    const Configurations lost = made->take_lost_places();
+    REQUIRE(lost.size() == 1);
+    CHECK(std::ranges::equal(lost.front(), Configuration{5, 5}));
+    const auto once = sub->graph->revision;
+    made->avoid(Configuration{5, 5, 0});
+    CHECK(sub->graph->revision == once);
+    made->before_resolve();
+    CHECK(height() > 8.5);
+  }
+}
+
+TEST_CASE("a planner that ignores the grid has no place left out", "[strategy][sequence]") {
+  const auto problem = test::simple_passage_problem();
   const auto parent = make_instance(problem);
-  const GuideKind& kind = *find_guide("skeleton");
+  const GuideKind& kind = *find_guide("workspace");
   const auto made = kind.make(Options::validate(*kind.component, {}));
   const auto sub = made->project(*parent);
-  const auto height = [&] {
-    UniformGuidance uniform(sub->space);
-    Search search(2);
-    const PlannerKind& planner = *find_planner("graph_search");
-    const Solution found =
-        planner.make(Options::validate(*planner.component, {}), {*sub, uniform, Stream(1, "", ""), search, false})
-            ->solve({});
-    REQUIRE(found.solved());
-    double highest = 0.0;
-    for (std::size_t i = 0; i < found.path.size(); ++i) highest = std::max(highest, found.path[i][1]);
-    return highest;
-  };
-  CHECK(height() < 8.0);
-  // Far from any edge nothing is refuted.
-  made->avoid(Configuration{9.9, 0.1, 0});
-  CHECK(height() < 8.0);
+  made->attach(*sub);
+  sub->graph = nullptr;
   made->avoid(Configuration{5, 5, 0});
-  CHECK(height() > 8.5);
+  CHECK(made->refuted_places().empty());
 }
 
 TEST_CASE("h of a space that is searched late continues from the state of the search", "[strategy][sequence]") {

@@ -14,12 +14,10 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/aligned_lift.hpp>
-#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
-#include <trellis/guide/path_steps.hpp>
 #include <trellis/guide/position.hpp>
-#include <trellis/instance/characteristic_length.hpp>
+#include <trellis/guide/position_guide.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/skeleton.hpp>
@@ -695,175 +693,83 @@ class DynamicRegions final : public Heuristic {
   Configuration position_;
 };
 
-class SkeletonGuide final : public Guide {
+class SkeletonGuide final : public PositionGuide {
  public:
-  explicit SkeletonGuide(const SkeletonSettings& settings) : settings_(settings) {}
+  explicit SkeletonGuide(const SkeletonSettings& settings)
+      : PositionGuide("skeleton", settings.evidence, settings.radius), settings_(settings) {}
 
+  using PositionGuide::project;
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    projection_ = std::make_shared<PositionProjection>("skeleton", parent);
-    auto instance = projection_->point_instance(parent);
+    auto instance = point_instance(parent);
     double clearance = settings_.clearance;
-    if (settings_.prune && !projection_->arm()) {
+    if (settings_.prune && !projection()->arm()) {
       // Clearance is exact, to rounding, at the points of the axis. In space, edges are straight between such points.
       double needed = (1.0 - 1e-6) * std::max(parent.needed_clearance, parent.scene->inscribed_radius());
       if (const SpatialScene* scene = instance->scene->spatial()) needed -= cached_ball_graph(scene->world)->resolution;
       clearance = std::max(clearance, needed);
     }
     GraphBuilder builder(*instance->scene, clearance, *instance);
-    graph_ = std::make_shared<Graph>(builder.take());
+    auto made = std::make_shared<Graph>(builder.take());
     clearances_ = builder.take_clearances();
-    refuted_edges_.assign(graph_->edges.size(), 0);
-    refuted_positions_ = Configurations(instance->space.dimension());
-    instance->graph = graph_;
-    along_path_ = !settings_.follow_regions && !parent.motion_model;
-    if (!reached_) {
-      reached_.emplace(projection_->space(), instance->start);
-      nodes_.begin(parent.space, parent.start, parent.goals);
-      start_ = parent.start;
-      position_axes_ = parent.position_axes;
-      place_radius_ = 0.5 * characteristic_length(parent);
-      found_invalid_.emplace(parent.space, parent.position_axes, place_radius_);
-    }
-    spacing_ = settings_.spacing > 0.0 ? settings_.spacing : projection_->spacing(parent, *instance);
-    sparse_.emplace(projection_->space(), spacing_, projection_->arm());
+    refuted_edges_.assign(made->edges.size(), 0);
+    begin(parent, *instance, std::move(made), !settings_.follow_regions && !parent.motion_model, settings_.spacing);
     return instance;
-  }
-
-  void project(View q, MutableView s) const override { projection_->project(q, s); }
-  void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
-  [[nodiscard]] bool closed_fibre() const override { return projection_->closed_fibre(); }
-
-  void learn(const Outcome& outcome) override {
-    if (outcome.added.empty() || !outcome.connected) return;
-    if (along_path_) {
-      nodes_.add(outcome.added, outcome.from_goal);
-      return;
-    }
-    Configuration position(projection_->space().dimension());
-    projection_->project(outcome.added, position);
-    reached_->add(position);
-  }
-
-  void restart() override {
-    nodes_.clear();
-    reached_->clear();
   }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
     regions_ = nullptr;
-    steps_ = nullptr;
-    refuted_.reset();
-    path_ = found->path;
-    const Configuration& goal = goal_choice_.choose(
-        parent, [this](View q, MutableView s) { project(q, s); }, projection_->space(), path_);
-    if (along_path_ && found->solved()) return along(parent, *found, goal);
+    const Configuration& goal = begin_heuristic(parent, found->path);
+    if (lifts() && found->solved()) return along_axis(parent, goal);
     // The radius of a region is a multiple of the robot's; a point and a tip have no size, so the world's size replaces
     // it.
-    const double robot = projection_->arm() ? 0.0 : parent.scene->bounding_radius();
-    const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(projection_, parent, graph_, path_,
-                                              projection_->lifted(found->path, parent.start, goal), settings_,
-                                              settings_.region * unit, robot, *reached_);
+    const double robot = projection()->arm() ? 0.0 : parent.scene->bounding_radius();
+    const double unit = robot > 0.0 ? robot : 0.01 * projection()->space().diameter();
+    auto h = std::make_unique<DynamicRegions>(projection(), parent, graph(), path(),
+                                              projection()->lifted(path(), parent.start, goal), settings_,
+                                              settings_.region * unit, robot, reached());
     regions_ = h.get();
     return h;
   }
 
   void before_resolve() override {
-    if (found_invalid_) found_invalid_->clear();
-    if (regions_ != nullptr) {
-      for (const std::uint32_t e : regions_->stuck_edges()) graph_->multiply_cost(e, stuck_penalty);
-      return;
+    if (follows_steps()) {
+      exclude_refuted();
+    } else if (regions_ != nullptr) {
+      for (const std::uint32_t e : regions_->stuck_edges()) graph()->multiply_cost(e, stuck_penalty);
     }
-    goal_choice_.refute();
-    if (!refuted_ && steps_ != nullptr && steps_->refuted_place()) {
-      if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
-        // The tip has many configurations along the path: other ones may be valid.
-        sparse_.emplace(projection_->space(), spacing_, true);
-        return;
-      }
-      variation_ = 0;
-      refuted_.emplace(projection_->space().dimension());
-      projection_->project(*steps_->refuted_place(), *refuted_);
-    }
-    if (!refuted_) return;
-    refute(nearest_edge(*refuted_, true).first);
-    refuted_positions_.push(*refuted_);
-  }
-
-  [[nodiscard]] Configurations refuted_places() const override {
-    Configurations places(start_.size());
-    // The position of an arm's tip is no axis of C.
-    if (position_axes_.empty()) return places;
-    const auto add = [&](View position) {
-      // The position is refuted; the other coordinates do not matter.
-      Configuration place = start_;
-      for (std::size_t k = 0; k < position_axes_.size(); ++k) place[position_axes_[k]] = position[k];
-      places.push(place);
-    };
-    for (std::size_t i = 0; i < refuted_positions_.size(); ++i) add(refuted_positions_[i]);
-    if (refuted_) {
-      add(*refuted_);
-    } else if (steps_ != nullptr) {
-      if (const auto place = steps_->refuted_place()) places.push(*place);
-    }
-    return places;
-  }
-
-  void found_invalid(View q) override {
-    if (steps_ == nullptr || refuted_ || path_is_refuted()) return;
-    found_invalid_->add(q);
-    const auto there = static_cast<std::int64_t>(found_invalid_->count(q));
-    if (there < settings_.evidence) return;
-    refuted_.emplace(projection_->space().dimension());
-    projection_->project(q, *refuted_);
-    steps_->refute();
-  }
-
-  void avoid(View place) override {
-    Configuration s(projection_->space().dimension());
-    projection_->project(place, s);
-    if (graph_->edges.empty()) return;
-    // The path of a smaller robot does not follow the axis exactly.
-    const double within = 2.0 * place_radius_;
-    const auto [edge, squared_distance] = nearest_edge(s, false);
-    if (squared_distance > within * within || refuted_edges_[edge] != 0) return;
-    refute(edge);
-    refuted_positions_.push(s);
-    if (steps_ != nullptr && along_[edge] != 0 && !steps_->stale()) steps_->refute();
   }
 
  private:
-  /// h along the path found, lifted to valid configurations of C.
-  std::unique_ptr<Heuristic> along(Instance& parent, const Solution& found, const Configuration& goal) {
-    const PathOnGraph on_graph(*graph_, path_);
+  /// h along the path found on the axis.
+  std::unique_ptr<Heuristic> along_axis(Instance& parent, const Configuration& goal) {
+    const PathOnGraph on_graph(*graph(), path());
     along_ = on_graph.along();
-    // A point that had no valid lift towards another goal may have one towards this goal.
-    if (goal_choice_.replaced()) sparse_.emplace(projection_->space(), spacing_, projection_->arm());
-    const PointLift lift = projection_->point_lift(parent, variation_);
     // If the clearance of the axis exceeds the robot's radius, the robot is valid there at every angle.
-    const double reach = projection_->arm() ? std::numeric_limits<double>::infinity()
-                                            : std::max(parent.needed_reach, parent.scene->bounding_radius());
-    const PathClearance clearance(path_, on_graph.clearance(*graph_, clearances_));
-    const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
-    SparsePath sparse = sparse_->validate(parent, found.path, goal, lift, free);
-    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
-    const StepHeuristic::Settings steps = {
-        .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
-    std::vector<char> known = known_edges(parent, sparse.waypoints);
-    auto h = std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps,
-                                             nodes_.both(), std::move(known));
-    steps_ = h.get();
-    if (path_is_refuted()) return h;
-    if (sparse.refuted) {
-      refuted_ = std::move(sparse.refuted);
-      h->refute();
+    const double reach = projection()->arm() ? std::numeric_limits<double>::infinity()
+                                             : std::max(parent.needed_reach, parent.scene->bounding_radius());
+    const PathClearance clearance(path(), on_graph.clearance(*graph(), clearances_));
+    return along(parent, goal, projection()->point_lift(parent, variation()),
+                 [&](double at) { return clearance.at(at) > reach; });
+  }
+
+  void exclude_on_path(View s) override { refute(nearest_edge(s, true).first); }
+  std::optional<bool> exclude_near(View s) override {
+    // The path of a smaller robot does not follow the axis exactly.
+    const double within = 2.0 * place_radius();
+    const auto [edge, squared_distance] = nearest_edge(s, false);
+    if (squared_distance > within * within || refuted_edges_[edge] != 0) return std::nullopt;
+    refute(edge);
+    return !along_.empty() && along_[edge] != 0;
+  }
+  [[nodiscard]] bool path_is_excluded() const override {
+    for (std::size_t e = 0; e < along_.size(); ++e) {
+      if (along_[e] != 0 && refuted_edges_[e] != 0) return true;
     }
-    return h;
+    return false;
   }
 
   void refute(std::uint32_t edge) {
-    graph_->multiply_cost(edge, refuted_penalty);
+    graph()->multiply_cost(edge, refuted_penalty);
     refuted_edges_[edge] = 1;
   }
 
@@ -872,11 +778,11 @@ class SkeletonGuide final : public Guide {
   [[nodiscard]] std::pair<std::uint32_t, double> nearest_edge(View s, bool of_path) const {
     std::uint32_t best = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
+    for (std::uint32_t e = 0; e < graph()->edges.size(); ++e) {
       if (of_path && along_[e] == 0) continue;
-      const auto& points = std::as_const(graph_->edges[e].points);
+      const auto& points = std::as_const(graph()->edges[e].points);
       for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-        const double distance = nearest_on_motion(projection_->space(), points[i], points[i + 1], s).squared_distance;
+        const double distance = nearest_on_motion(projection()->space(), points[i], points[i + 1], s).squared_distance;
         if (distance < least) {
           least = distance;
           best = e;
@@ -886,36 +792,11 @@ class SkeletonGuide final : public Guide {
     return {best, least};
   }
 
-  /// Whether the path found contains a refuted edge. If so, there is no other path.
-  [[nodiscard]] bool path_is_refuted() const {
-    for (std::size_t e = 0; e < along_.size(); ++e) {
-      if (along_[e] != 0 && refuted_edges_[e] != 0) return true;
-    }
-    return false;
-  }
-
   SkeletonSettings settings_;
-  std::shared_ptr<const PositionProjection> projection_;
-  std::shared_ptr<Graph> graph_;
   std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
   std::vector<char> along_;                      ///< for each edge, whether the path found contains it
   std::vector<char> refuted_edges_;
-  Configurations refuted_positions_;  ///< one per refuted edge
-  double place_radius_ = 0.0;         ///< of a place that another guide's evidence refuted, metres
-  bool along_path_ = true;
-  Configuration start_;
-  std::vector<std::size_t> position_axes_;
-  std::optional<Places> found_invalid_;  ///< configurations of C found invalid since the path was found
-  std::optional<ReachedIndex> reached_;  ///< positions of the planner's nodes, if h uses regions
-  ReachedNodes nodes_;                   ///< the planner's nodes, if h follows a path
-  std::optional<SparseValidation> sparse_;
-  double spacing_ = 0.0;                  ///< distance between validated points
-  GoalChoice goal_choice_;                ///< where paths of S lead in C
-  int variation_ = 0;                     ///< number of further lifts of the path found
-  Configurations path_;                   ///< found in S
-  std::optional<Configuration> refuted_;  ///< point of `path_`
-  DynamicRegions* regions_ = nullptr;     ///< active h, if it uses regions
-  StepHeuristic* steps_ = nullptr;
+  DynamicRegions* regions_ = nullptr;  ///< active h, if it uses regions
 };
 
 }  // namespace

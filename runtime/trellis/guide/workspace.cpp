@@ -10,11 +10,10 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/handles.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
-#include <trellis/guide/position.hpp>
+#include <trellis/guide/position_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/grid_graph.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -103,13 +102,15 @@ std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
   return std::make_shared<Graph>(grid_graph(instance, cell));
 }
 
-class Workspace final : public Guide {
+class Workspace final : public PositionGuide {
  public:
-  explicit Workspace(const WorkspaceSettings& settings) : settings_(settings) {}
+  explicit Workspace(const WorkspaceSettings& settings)
+      : PositionGuide("workspace", settings.evidence, settings.radius), settings_(settings) {}
 
+  using PositionGuide::project;
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    projection_ = std::make_shared<PositionProjection>("workspace", parent);
-    const bool arm = projection_->arm();
+    auto instance = point_instance(parent);
+    const bool arm = projection()->arm();
     if (arm && settings_.lift == Lift::handles) {
       throw Error(
           "workspace: option 'lift' is \"handles\", which needs a robot whose reference point moves in the plane: the "
@@ -122,152 +123,100 @@ class Workspace final : public Guide {
     if (!settings_.handles.empty() && !by_handles) {
       throw Error("workspace: option 'handles' has points, which are of use with lift = \"handles\" only");
     }
-    along_path_ = !parent.motion_model &&
-                  (by_handles || settings_.lift == Lift::path || (arm && settings_.lift == Lift::automatic));
-    auto instance = projection_->point_instance(parent);
     double longest = 0.0;
     for (const Axis& axis : instance->space.axes()) longest = std::max(longest, axis.hi - axis.lo);
     const double cells = instance->space.dimension() == 2 ? 40.0 : 20.0;
     cell_ = settings_.cell > 0.0 ? settings_.cell : longest / cells;
-    graph_ = grid(*instance, cell_);
-    instance->graph = graph_;
-    reached_.emplace(projection_->space(), instance->start);
-    refuted_ = Configurations(projection_->space().dimension());
-    if (along_path_) {
-      if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goals);
-      spacing_ = projection_->spacing(parent, *instance);
-      sparse_.emplace(projection_->space(), spacing_, arm);
-    }
+    begin(parent, *instance, grid(*instance, cell_),
+          !parent.motion_model &&
+              (by_handles || settings_.lift == Lift::path || (arm && settings_.lift == Lift::automatic)));
     if (by_handles) {
       handles_ = std::make_shared<HandleLift>(
-          projection_, parent, parse_handles("workspace", settings_.handles, planar(*parent.scene).robot));
+          projection(), parent, parse_handles("workspace", settings_.handles, planar(*parent.scene).robot));
     }
     return instance;
   }
-  void attach(Instance& sub) override { point_ = &sub; }
-
-  void project(View q, MutableView s) const override { projection_->project(q, s); }
-  void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
-  [[nodiscard]] bool closed_fibre() const override { return projection_->closed_fibre(); }
-
-  void learn(const Outcome& outcome) override {
-    if (outcome.added.empty() || !outcome.connected) return;
-    if (along_path_) nodes_.add(outcome.added, outcome.from_goal);
-    Configuration position(projection_->space().dimension());
-    projection_->project(outcome.added, position);
-    reached_->add(position);
-  }
-  void restart() override {
-    reached_->clear();
-    nodes_.clear();
-  }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
-    path_ = found->path;
-    steps_ = nullptr;
-    if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
-    const Configuration& goal = goal_choice_.choose(
-        parent, [this](View q, MutableView s) { project(q, s); }, projection_->space(), path_);
-    if (along_path_ && found->solved()) return along(parent, goal);
-    const double plain = projection_->arm() ? 0.01 * projection_->space().diameter()
-                                            : size_or(*parent.scene, 0.01 * parent.space.diameter());
+    const Configuration& goal = begin_heuristic(parent, found->path);
+    if (path().size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
+    if (lifts() && found->solved()) {
+      return along(parent, goal,
+                   handles_ ? handles_->point_lift(parent) : projection()->point_lift(parent, variation()));
+    }
+    const Space& space = projection()->space();
+    const double plain =
+        projection()->arm() ? 0.01 * space.diameter() : size_or(*parent.scene, 0.01 * parent.space.diameter());
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step_length(parent);
-    auto positions = std::make_unique<PathHeuristic>("workspace", projection_->space(),
-                                                     handles_ ? handles_->on_axis(path_, *point_) : path_, radius_,
-                                                     window, settings_.evidence, &*reached_);
-    const std::shared_ptr<const Projection> lift = handles_ ? std::shared_ptr<const Projection>(handles_) : projection_;
-    return std::make_unique<LiftedHeuristic>(lift, projection_->space(), std::move(positions), parent.start, goal,
+    auto positions =
+        std::make_unique<PathHeuristic>("workspace", space, handles_ ? handles_->on_axis(path(), point()) : path(),
+                                        radius_, window, settings_.evidence, &reached());
+    follow(positions.get());
+    const std::shared_ptr<const Projection> lift =
+        handles_ ? std::shared_ptr<const Projection>(handles_) : projection();
+    return std::make_unique<LiftedHeuristic>(lift, space, std::move(positions), parent.start, goal,
                                              LiftedHeuristic::Points::atoms);
   }
 
   /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
   void before_resolve() override {
-    const Space& space = projection_->space();
-    NearestIndex stuck(space);
-    double penalty = stuck_penalty;
-    if (steps_ != nullptr) {
-      goal_choice_.refute();
-      if (steps_->refuted_place()) {
-        if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
-          // The tip has many configurations along the path: other ones may be valid.
-          sparse_.emplace(space, spacing_, true);
-          return;
-        }
-        variation_ = 0;
-        Configuration place(projection_->space().dimension());
-        projection_->project(*steps_->refuted_place(), place);
-        refuted_.push(place);
-      }
-      penalty = refuted_penalty;
-      if (refuted_.size() > 0) stuck.add(std::as_const(refuted_).back());
-    } else {
-      for (std::size_t i = 0; i < path_.size(); ++i) {
-        const View point = std::as_const(path_)[i];
-        if (reached_->squared_distance(point) > radius_ * radius_) stuck.add(point);
-      }
+    if (follows_steps()) {
+      exclude_refuted();
+      return;
     }
-    if (stuck.size() == 0) return;
-    Configuration middle(projection_->space().dimension());
-    for (std::size_t e = 0; e < graph_->edges.size(); ++e) {
-      const auto& edge = graph_->edges[e];
-      space.interpolate(graph_->vertices[edge.from], graph_->vertices[edge.to], 0.5, middle);
-      if (stuck.nearest(middle).squared_distance <= cell_ * cell_) graph_->multiply_cost(e, penalty);
+    // A path through a place that is excluded already costs more there.
+    if (path_is_excluded()) return;
+    NearestIndex stuck(projection()->space());
+    for (std::size_t i = 0; i < path().size(); ++i) {
+      if (reached().squared_distance(path()[i]) > radius_ * radius_) stuck.add(path()[i]);
     }
+    if (stuck.size() > 0) multiply_near(stuck, cell_, stuck_penalty);
   }
 
  private:
-  /// h along the path found, lifted to valid configurations of C.
-  std::unique_ptr<Heuristic> along(Instance& parent, const Configuration& goal) {
-    // A point that had no valid lift towards another goal may have one towards this goal.
-    if (goal_choice_.replaced()) sparse_.emplace(projection_->space(), spacing_, projection_->arm());
-    const PointLift lift = handles_ ? handles_->point_lift(parent) : projection_->point_lift(parent, variation_);
-    SparsePath sparse = sparse_->validate(parent, path_, goal, lift);
-    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
-    const StepHeuristic::Settings steps = {
-        .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
-    std::vector<char> known = known_edges(parent, sparse.waypoints);
-    auto h = std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps,
-                                             nodes_.both(), std::move(known));
-    steps_ = h.get();
-    // If a path leads through a refuted place, there is no other path.
-    if (path_is_refuted()) return h;
-    if (sparse.refuted) {
-      refuted_.push(*sparse.refuted);
-      h->refute();
+  void exclude_on_path(View s) override { refute(s, cell_); }
+  std::optional<bool> exclude_near(View s) override {
+    const double within = std::max(cell_, place_radius());
+    for (std::size_t i = 0; i < excluded().size(); ++i) {
+      if (projection()->space().squared_distance(excluded()[i], s) <= 0.25 * within * within) return std::nullopt;
     }
-    return h;
+    refute(s, within);
+    return leads_through(s, within);
   }
-
-  [[nodiscard]] bool path_is_refuted() const {
-    const Space& space = projection_->space();
-    for (std::size_t k = 0; k < refuted_.size(); ++k) {
-      for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
-        const double distance =
-            nearest_on_motion(space, std::as_const(path_)[i], std::as_const(path_)[i + 1], refuted_[k])
-                .squared_distance;
-        if (distance <= 0.25 * cell_ * cell_) return true;
-      }
+  [[nodiscard]] bool path_is_excluded() const override {
+    for (std::size_t k = 0; k < excluded().size(); ++k) {
+      if (leads_through(excluded()[k], 0.5 * cell_)) return true;
     }
     return false;
   }
 
+  [[nodiscard]] bool leads_through(View s, double within) const {
+    for (std::size_t i = 0; i + 1 < path().size(); ++i) {
+      const double squared = nearest_on_motion(projection()->space(), path()[i], path()[i + 1], s).squared_distance;
+      if (squared <= within * within) return true;
+    }
+    return false;
+  }
+
+  void refute(View s, double within) {
+    NearestIndex place(projection()->space());
+    place.add(s);
+    multiply_near(place, within, refuted_penalty);
+  }
+
+  /// Multiplies the costs of the edges whose middles are near one of some places.
+  void multiply_near(const NearestIndex& places, double within, double penalty) {
+    Configuration middle(projection()->space().dimension());
+    for (std::size_t e = 0; e < graph()->edges.size(); ++e) {
+      const auto& edge = graph()->edges[e];
+      projection()->space().interpolate(graph()->vertices[edge.from], graph()->vertices[edge.to], 0.5, middle);
+      if (places.nearest(middle).squared_distance <= within * within) graph()->multiply_cost(e, penalty);
+    }
+  }
+
   WorkspaceSettings settings_;
-  std::shared_ptr<const PositionProjection> projection_;
   std::shared_ptr<const HandleLift> handles_;  ///< set if the option requests handles
-  Instance* point_ = nullptr;                  ///< S, outlives this object
-  std::shared_ptr<Graph> graph_;
-  std::optional<ReachedIndex> reached_;  ///< positions of the planner's nodes
-  bool along_path_ = false;              ///< h follows configurations of C
-  ReachedNodes nodes_;                   ///< the planner's nodes, if `along_path_`
-  std::optional<SparseValidation> sparse_;
-  double spacing_ = 0.0;            ///< distance between validated points
-  GoalChoice goal_choice_;          ///< where paths of S lead in C
-  int variation_ = 0;               ///< number of further lifts of the path found
-  Configurations refuted_;          ///< refuted places of paths
-  StepHeuristic* steps_ = nullptr;  ///< active h, if any
-  Configurations path_;             ///< found in S
   double cell_ = 0.0;
   double radius_ = 0.0;
 };
