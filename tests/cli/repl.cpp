@@ -71,7 +71,7 @@ TEST_CASE("expressions print themselves") {
   CHECK_THAT(sitting.enter("2 * x, 'text'"), Contains("\n42\r\ntext\r\n"));
   CHECK_THAT(sitting.enter("{ 1, { a = 'b' } }"), Contains("\n{ 1, { a = \"b\" } }\r\n"));
   CHECK_THAT(sitting.enter("skeleton() >> shrink(0.5) >> rrt { step = 0.4 }"),
-             Contains("rrt { step = 0.4 }\r\n└─ shrink(0.5)  searched by rrt()\r\n   └─ skeleton()"));
+             Contains("rrt { step = 0.4 }\r\n└─ shrink(0.5)  searched by rrt { step = 0.4 }\r\n   └─ skeleton()"));
   CHECK_THAT(sitting.enter("scenes.cup()"), Contains("problem 'cup' in SE(2)"));
 }
 

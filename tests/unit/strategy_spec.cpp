@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
+#include <trellis/strategy/explanation.hpp>
 #include <trellis/strategy/registry.hpp>
 #include <trellis/strategy/spec.hpp>
 
 #include "support/catch.hpp"
+#include "support/worlds.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
@@ -143,4 +145,39 @@ TEST_CASE("every component is described in full", "[registry]") {
     }
     for (const auto& name : c->positional) CHECK(c->find(name) != nullptr);
   }
+}
+
+TEST_CASE("a default planner takes its lengths from the level above", "[spec]") {
+  const auto tree = [](const StrategySpec& strategy) { return strategy.tree(); };
+  const auto long_rrt = [](double step) { return PlannerSpec::make("rrt", {{"step", step}}); };
+  CHECK(tree(guide("widen") >> guide("shrink") >> long_rrt(30.0)) ==
+        "rrt { step = 30 }\n"
+        "└─ shrink(0.5)  searched by rrt { step = 30 }\n"
+        "   └─ widen(0)  searched by rrt_connect { step = 30 }\n");
+  // A planner without that option passes it on; one that the script names keeps its own, for the levels below too.
+  CHECK(tree(guide("shrink") >> guide("skeleton") >> long_rrt(30.0)) ==
+        "rrt { step = 30 }\n"
+        "└─ skeleton()  searched by graph_search()\n"
+        "   └─ shrink(0.5)  searched by rrt { step = 30 }\n");
+  CHECK(tree(guide("shrink") >> GuideSpec::make("shrink", {}, PlannerSpec::make("rrt", {})) >> long_rrt(30.0)) ==
+        "rrt { step = 30 }\n"
+        "└─ shrink(0.5)  searched by rrt()\n"
+        "   └─ shrink(0.5)  searched by rrt()\n");
+  // The roadmap's longest edge is a length; its number of neighbours is none.
+  const PlannerSpec prm = PlannerSpec::make("prm", {{"radius", 3.0}, {"neighbours", std::int64_t{5}}});
+  CHECK(tree(guide("lazy") >> prm) ==
+        "prm { neighbours = 5, radius = 3 }\n"
+        "└─ lazy()  searched by lazy_prm { radius = 3 }\n");
+  // Without an explicit length nothing changes, and equal strategies have equal hashes.
+  CHECK(tree(guide("shrink") >> PlannerSpec::make("rrt", {})).find("searched by rrt()") != std::string::npos);
+  CHECK((guide("shrink") >> long_rrt(30.0)).hash() == (guide("shrink") >> long_rrt(30.0)).hash());
+  CHECK((guide("shrink") >> long_rrt(30.0)).json() !=
+        (GuideSpec::make("shrink", {}, PlannerSpec::make("rrt", {})) >> long_rrt(30.0)).json());
+  // What runs is what is printed.
+  const LevelExplanation root = explain(guide("shrink") >> long_rrt(2.0), test::cup_problem());
+  REQUIRE(root.guide);
+  const LevelExplanation& below = *root.guide->level;
+  CHECK(below.common.step == 2.0);
+  CHECK(below.inherited == std::vector<std::string>{"step"});
+  CHECK_FALSE(below.planner_given);
 }

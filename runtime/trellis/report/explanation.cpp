@@ -211,7 +211,10 @@ std::string limits_text(const LevelExplanation& level) {
 
 std::string planner_text(const LevelExplanation& level, const std::string& guide) {
   const Component& component = *level.kind->component;
-  const std::string whose = level.planner_given ? "" : fmt::format(", which {} takes by default", guide);
+  std::string whose = level.planner_given ? "" : fmt::format(", which {} takes by default", guide);
+  if (!level.inherited.empty()) {
+    whose += fmt::format(", with the {} of the level above", fmt::join(level.inherited, ", "));
+  }
   return fmt::format("{}{}: {}", component.name, whose, component.summary);
 }
 
@@ -429,6 +432,7 @@ Json level_json(const LevelExplanation& level, int above) {
           {"planner",
            {{"name", level.kind->component->name},
             {"given", level.planner_given},
+            {"inherited", level.inherited},
             {"options", options_json(*level.kind->component, level.planner.options())},
             {"split", dividing != nullptr ? options_json(split_settings().component(), *dividing) : Json(nullptr)}}},
           {"limits",

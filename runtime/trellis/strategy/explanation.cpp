@@ -12,6 +12,7 @@
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/combinators.hpp>
+#include <trellis/strategy/lengths.hpp>
 #include <trellis/strategy/level.hpp>
 
 namespace trellis {
@@ -21,6 +22,21 @@ namespace {
 using Levels = std::map<std::string, Level*>;  // by key
 
 LevelExplanation explained(Level& level, const GuideSpec* guide, bool planner_given, const Levels& levels);
+
+/// The lengths of a guide's default planner that neither are its defaults nor set by the guide.
+std::vector<std::string> inherited_lengths(const GuideSpec& spec, const PlannerSpec& planner) {
+  std::vector<std::string> names;
+  if (spec.planner_given()) return names;
+  std::vector<Options::Entry> set;
+  if (!spec.custom()) set = find_guide(spec.name())->guided_planner.options;
+  const Component& component = *find_planner(planner.name())->component;
+  for (const auto& [name, value] : planner.options().entries()) {
+    const Option& option = *component.find(name);
+    const bool by_guide = std::any_of(set.begin(), set.end(), [&, &n = name](const auto& e) { return e.first == n; });
+    if (is_length(option) && value != option.default_value && !by_guide) names.push_back(name);
+  }
+  return names;
+}
 
 const Component* combinator_component(GuideSpec::Kind kind) {
   switch (kind) {
@@ -74,8 +90,9 @@ GuideExplanation explained(const GuideSpec& spec, const std::string& key, const 
   guide.effort = f.effort();
   guide.effort_again = f.effort_again();
   guide.validates_edges = dynamic_cast<const SpendsParentsChecks*>(&f) != nullptr;
-  guide.level =
-      std::make_shared<const LevelExplanation>(explained(*found->second, spec.below(), spec.planner_given(), levels));
+  LevelExplanation level = explained(*found->second, spec.below(), spec.planner_given(), levels);
+  level.inherited = inherited_lengths(spec, level.planner);
+  guide.level = std::make_shared<const LevelExplanation>(std::move(level));
   return guide;
 }
 

@@ -57,7 +57,9 @@ struct LevelExplanation {
   PlannerSpec planner;
   const PlannerKind* kind = nullptr;  ///< in the registry; for a split, the planner of its undivided halves
   bool planner_given = false;         ///< the script names it; else it is the default
-  PlannerCommon common;               ///< the applicable shares, bound and budget
+  /// The options of a default planner that it takes from the levels above.
+  std::vector<std::string> inherited = {};
+  PlannerCommon common;  ///< the applicable shares, bound and budget
   /// Work (validity checks and proposals) that guided proposals and the levels below may spend before the bound
   /// applies.
   double grant = 0.0;

@@ -13,6 +13,7 @@
 #include <trellis/guide/custom.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/strategy/checks.hpp>
+#include <trellis/strategy/lengths.hpp>
 #include <trellis/strategy/level.hpp>
 
 namespace trellis {
@@ -37,7 +38,7 @@ class ComponentGuidance final : public SearchedGuidance {
     auto sub = project();
     run.clock.switch_to(above);
     if (!sub) return;
-    const PlannerSpec planner = planner_for(spec, *sub);
+    const PlannerSpec planner = planner_for(spec, *sub, planners_above());
     level_ =
         located([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
     level_->charge(seconds);
@@ -46,13 +47,26 @@ class ComponentGuidance final : public SearchedGuidance {
   }
 
   /// The planner of the level below. A default planner must suit the instance: with a motion model it is kinodynamic,
-  /// with the options that the guide sets for a guided search.
-  static PlannerSpec planner_for(const GuideSpec& spec, const Instance& sub) {
+  /// with the options that the guide sets for a guided search. It takes its lengths from the levels above.
+  static PlannerSpec planner_for(const GuideSpec& spec, const Instance& sub,
+                                 const std::vector<const PlannerSpec*>& above) {
+    if (spec.planner_given()) return *spec.planner();
     const bool kinodynamic = find_planner(spec.planner()->name())->kinodynamic;
-    if (spec.planner_given() || kinodynamic || sub.graph || !sub.motion_model) return *spec.planner();
+    if (kinodynamic || sub.graph || !sub.motion_model) return with_lengths_of(above, *spec.planner());
     const bool guided = spec.below() != nullptr && !spec.custom();
-    return PlannerSpec::make("kinodynamic_rrt",
-                             guided ? find_guide(spec.name())->guided_planner.options : std::vector<Options::Entry>{});
+    return with_lengths_of(above,
+                           PlannerSpec::make("kinodynamic_rrt", guided ? find_guide(spec.name())->guided_planner.options
+                                                                       : std::vector<Options::Entry>{}));
+  }
+  /// The planners of this guide's level and of those above it, the root's first.
+  [[nodiscard]] std::vector<const PlannerSpec*> planners_above() const {
+    std::vector<const PlannerSpec*> planners = {&parent_.planner()};
+    for (int level = parent_.record().parent; level >= 0;) {
+      const Level& above = *run_.levels[static_cast<std::size_t>(level)];
+      planners.insert(planners.begin(), &above.planner());
+      level = above.record().parent;
+    }
+    return planners;
   }
 
   Advance prepare(const Slice& slice) override {

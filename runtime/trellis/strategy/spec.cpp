@@ -11,6 +11,7 @@
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/planner.hpp>
+#include <trellis/strategy/lengths.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace trellis {
@@ -144,7 +145,19 @@ Json planner_json(const PlannerSpec& planner) {
   return {{"planner", planner.name()}, {"options", options_json(planner.options())}};
 }
 
-Json guide_json(const GuideSpec& guide) {
+using PlannersAbove = std::vector<const PlannerSpec*>;
+
+/// The planner that searches the space of a component. \param above  the planners of the levels above, the root's first
+PlannerSpec searching_planner(const GuideSpec& guide, const PlannersAbove& above) {
+  return guide.planner_given() ? *guide.planner() : with_lengths_of(above, *guide.planner());
+}
+
+PlannersAbove with(PlannersAbove above, const PlannerSpec& planner) {
+  above.push_back(&planner);
+  return above;
+}
+
+Json guide_json(const GuideSpec& guide, const PlannersAbove& above) {
   if (guide.kind() == GuideSpec::Kind::component) {
     Json json = {{"guide", guide.name()}};
     if (guide.custom()) {
@@ -152,17 +165,19 @@ Json guide_json(const GuideSpec& guide) {
     } else {
       json["options"] = options_json(guide.options());
     }
-    if (guide.planner()) json["search"] = planner_json(*guide.planner());
-    if (guide.below() != nullptr) json["guided_by"] = guide_json(*guide.below());
+    if (!guide.planner()) return json;
+    const PlannerSpec planner = searching_planner(guide, above);
+    json["search"] = planner_json(planner);
+    if (guide.below() != nullptr) json["guided_by"] = guide_json(*guide.below(), with(above, planner));
     return json;
   }
   Json parts = Json::array();
   const double total = total_weight(guide);
   for (const auto& term : guide.terms()) {
     if (guide.kind() == GuideSpec::Kind::mixture) {
-      parts.push_back({{"weight", term.weight / total}, {"guide", guide_json(term.guide)}});
+      parts.push_back({{"weight", term.weight / total}, {"guide", guide_json(term.guide, above)}});
     } else {
-      parts.push_back(guide_json(term.guide));
+      parts.push_back(guide_json(term.guide, above));
     }
   }
   Json json = {{guide.name(), parts}};
@@ -504,12 +519,18 @@ void check_root(const PlannerSpec& planner) {
   }
 }
 
-void draw(const GuideSpec& guide, const std::string& label, const std::string& indent, bool last, std::string& out) {
+void draw(const GuideSpec& guide, const PlannersAbove& above, const std::string& label, const std::string& indent,
+          bool last, std::string& out) {
   const auto head = [&](const std::string& text) { out += indent + (last ? "└─ " : "├─ ") + label + text + "\n"; };
   const std::string deeper = indent + (last ? "   " : "│  ");
   if (guide.kind() == GuideSpec::Kind::component) {
-    head(guide.text_alone() + (guide.planner() ? "  searched by " + guide.planner()->text() : "  S = {0}"));
-    if (guide.below() != nullptr) draw(*guide.below(), "", deeper, true, out);
+    if (!guide.planner()) {
+      head(guide.text_alone() + "  S = {0}");
+      return;
+    }
+    const PlannerSpec planner = searching_planner(guide, above);
+    head(guide.text_alone() + "  searched by " + planner.text());
+    if (guide.below() != nullptr) draw(*guide.below(), with(above, planner), "", deeper, true, out);
     return;
   }
   const bool mixture = guide.kind() == GuideSpec::Kind::mixture;
@@ -532,7 +553,7 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
   for (std::size_t i = 0; i < guide.terms().size(); ++i) {
     const auto& term = guide.terms()[i];
     const std::string name = mixture ? fmt::format("{:.3g} x ", term.weight / total) : fmt::format("{}. ", i + 1);
-    draw(term.guide, name, deeper, i + 1 == guide.terms().size(), out);
+    draw(term.guide, above, name, deeper, i + 1 == guide.terms().size(), out);
   }
 }
 
@@ -540,7 +561,7 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
 
 std::string GuideSpec::tree() const {
   std::string drawn;
-  draw(*this, "", "", true, drawn);
+  draw(*this, {}, "", "", true, drawn);
   // The root has no parent, so its branch symbol and the indentation of all lines are removed.
   constexpr std::string_view branch = "└─ ";
   constexpr std::string_view blank = "   ";
@@ -566,13 +587,13 @@ std::string StrategySpec::text() const {
 
 std::string StrategySpec::tree() const {
   std::string out = planner_.text() + "\n";
-  if (guide_) draw(*guide_, "", "", true, out);
+  if (guide_) draw(*guide_, {&planner_}, "", "", true, out);
   return out;
 }
 
 std::string StrategySpec::json() const {
   Json json = planner_json(planner_);
-  if (guide_) json["guided_by"] = guide_json(*guide_);
+  if (guide_) json["guided_by"] = guide_json(*guide_, {&planner_});
   return json.dump();
 }
 
