@@ -756,6 +756,13 @@ class Verbs {
     const std::size_t levels = run.result().levels.size();
     const auto level = value.integer();
     if (!level || *level < 0 || static_cast<std::size_t>(*level) >= levels) {
+      const BoundedLoss& law = run.result().run.bounded;
+      if (level && *level > 0 && law.bound > 0.0 && !law.guides_set_up) {
+        throw Error(
+            fmt::format("{}: the run has no level {}{}: its guides are set up when {} without guides has done as much "
+                        "work as that costs, about {:.0f} checks; with bound = 0 it begins with them",
+                        verb, *level, run.ended() ? "" : " yet", run.strategy.planner().name(), law.set_up));
+      }
       throw Error(fmt::format("{}: the run has the levels 0 to {}, got {}", verb, levels - 1, dsl::describe(value)));
     }
     return static_cast<std::size_t>(*level);

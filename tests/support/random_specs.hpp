@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/random.hpp>
@@ -17,8 +18,10 @@ namespace trellis::test {
 /// The same sequence of specs for the same seed.
 class RandomSpecs {
  public:
-  /// \param bound  of the planner at the root; 0: its default
-  explicit RandomSpecs(std::uint64_t seed, double bound = 0.0) : stream_(seed, "specs", "random"), bound_(bound) {}
+  /// \param bound  of the planner at the root, with a random number of queries; 0: its defaults
+  /// \param others  further components to draw from
+  explicit RandomSpecs(std::uint64_t seed, double bound = 0.0, std::vector<GuideSpec> others = {})
+      : stream_(seed, "specs", "random"), bound_(bound), others_(std::move(others)) {}
 
   /// \param depth  of what is combined, at the most
   GuideSpec guide(int depth) {
@@ -71,6 +74,7 @@ class RandomSpecs {
   }
 
   GuideSpec component() {
+    if (!others_.empty() && stream_.uniform() < 0.6) return others_[stream_.below(others_.size())];
     switch (stream_.below(7)) {
       case 0: return GuideSpec::make("skeleton", {});
       case 1: return searched("shrink", {{"scale", 0.3 + 0.1 * static_cast<double>(stream_.below(6))}});
@@ -102,12 +106,16 @@ class RandomSpecs {
     static constexpr std::array names = {"rrt",      "rrt_connect", "prm",           "lazy_prm",
                                          "rrt_star", "prm_star",    "lazy_prm_star", "lazy_rrg_star"};
     std::vector<Options::Entry> given = {{"proposals", std::int64_t{800}}};
-    if (bound_ > 0.0) given.emplace_back("bound", bound_);
+    if (bound_ > 0.0) {
+      given.emplace_back("bound", bound_);
+      given.emplace_back("queries", stream_.uniform() < 0.5 ? 1.0 : 1000.0);
+    }
     return PlannerSpec::make(names[stream_.below(names.size())], given);
   }
 
   Stream stream_;
   double bound_;
+  std::vector<GuideSpec> others_;
 };
 
 }  // namespace trellis::test

@@ -281,8 +281,11 @@ std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& 
     }
     body += "</tr>\n";
   }
-  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}",
-                     heading("level", columns), body, marks.text(), resolves_html(summary));
+  const std::string beside = beside_text(summary);
+  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}{}",
+                     heading("level", columns), body, marks.text(),
+                     beside.empty() ? "" : fmt::format("<p class=\"muted\">{}</p>\n", escaped(beside)),
+                     resolves_html(summary));
 }
 
 // Data

@@ -48,6 +48,7 @@ class EvaluatedGraph {
   };
   /// The edges of a vertex, in their order.
   [[nodiscard]] std::span<const Incident> incident(std::uint32_t vertex) const {
+    context_.instance.checks.other += search_cost::edge * static_cast<double>(first_[vertex + 1] - first_[vertex]);
     return std::span(incident_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }
 
@@ -63,6 +64,12 @@ class EvaluatedGraph {
   /// For a verified graph: adds the points of an edge to the level's nodes, connected in a chain, when the search first
   /// uses the edge.
   void record(std::uint32_t edge);
+
+  /// Counts the work of the beginning of a search: costs and labels of all edges and vertices.
+  void count_search() {
+    const auto size = static_cast<double>(graph_->edges.size() + graph_->vertices.size());
+    context_.instance.checks.other += search_cost::edge * size;
+  }
 
   /// Begins to draw `samples` proposals.
   void begin_proposals(std::int64_t samples);

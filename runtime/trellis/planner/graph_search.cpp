@@ -137,6 +137,7 @@ class GraphSearch final : public GraphPlanner {
     const Graph& graph = *context_.instance.graph;
     evaluated_.begin_weighing();
     if (graph.verified) {
+      evaluated_.count_search();
       ended_ = Tree(graph);
       dijkstra(graph, ended_);
       return evaluated_.result(ended_.done);
@@ -144,6 +145,7 @@ class GraphSearch final : public GraphPlanner {
     if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
     evaluated_.renew();
     if (context_.guided || !continues()) {
+      evaluated_.count_search();
       paused_.emplace(context_.instance, evaluated_.version(), evaluated_.least_edge_factor());
     }
     return std::nullopt;

@@ -18,6 +18,7 @@ struct CommonSettings {
   double goal_bias = 0.05;
   double uniform = 0.05;
   double bound = PlannerCommon().bound;
+  double queries = PlannerCommon().queries;
   double proposals = 50000;
   double checks = Budget::unlimited;
   double seconds = Budget::unlimited;
@@ -30,6 +31,7 @@ struct CommonSettings {
     result.uniform = uniform;
     result.goal_bias = goal_bias;
     result.bound = bound;
+    result.queries = queries;
     return result;
   }
 };
@@ -51,11 +53,16 @@ Settings<S> with_common(Settings<S> settings) {
                   "completeness rests on the guide alone");
   settings.number(
       "bound", &S::bound, "factor", Range::non_negative(),
-      "at the root, more than 1: the work (validity checks and proposals) of a guided run is at most so many "
-      "times that of this planner without guides on the same seed, 500, and one step: the planner runs beside "
-      "its guided search. At most 1, or below the root: work of guided proposals and of the levels below, per "
-      "work of unguided proposals, beyond what a path costs to check and what progress along a guiding path "
-      "earns. 0: without bound. The report prints the validity checks of either side");
+      "at the root, more than 1: the work of a guided run is at most so many times that of this planner "
+      "without guides on the same seed, 800, and one step: the planner runs beside its guided search, and "
+      "the first path wins. Work is validity checks, proposals, searches of graphs and set-up, in checks. At "
+      "most 1, or below the root (0.8 (bound - 1) where it is more): work of guided proposals and of the "
+      "levels below, per work of unguided proposals, beyond what a path costs to check and what progress "
+      "along a guiding path earns. 0: without bound");
+  settings.number(
+      "queries", &S::queries, "runs", Range::at_least(1),
+      "where a bound of more than 1 holds at the root: runs in this world that share what is set up for the "
+      "world alone, as its medial axis; a run counts one part of that work. 1 for a single query");
   // Nodes have 32-bit numbers.
   settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");

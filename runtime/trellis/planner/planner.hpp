@@ -151,6 +151,7 @@ struct PlannerCommon {
   /// 1, or below the root: limit of the work of guided proposals and of the levels below, per work of unguided
   /// proposals, beyond an initial grant and the work that progress earns. 0: no limit.
   double bound = 0.8;
+  double queries = 1000.0;  ///< runs in one world that share what is set up for it
 };
 
 /// A kind of planner: its description and its factory.

@@ -45,6 +45,7 @@ void LifelongSearch::look_ahead(std::size_t side, std::uint32_t vertex) {
   if (vertex != side) {
     double ahead = infinity;
     std::uint32_t parent_edge = none;
+    looked_at_ += vertices_[vertex].arcs.size();
     for (const Arc& arc : vertices_[vertex].arcs) {
       const double cost = vertices_[arc.to].of[side].cost + arc.cost;
       if (cost < ahead) {
@@ -67,6 +68,7 @@ void LifelongSearch::enter(std::size_t side, std::uint32_t vertex, const Arc& ar
 }
 
 void LifelongSearch::enter_all(std::size_t side, std::uint32_t vertex) {
+  looked_at_ += vertices_[vertex].arcs.size();
   for (const Arc& arc : vertices_[vertex].arcs) enter(side, vertex, arc);
 }
 
@@ -80,6 +82,7 @@ bool LifelongSearch::counts(const Meeting& meeting) const {
 std::uint32_t LifelongSearch::add_edge(std::uint32_t a, std::uint32_t b, double cost) {
   const auto id = static_cast<std::uint32_t>(edges_.size());
   edges_.push_back({a, b, cost, false});
+  ++looked_at_;
   vertices_[a].arcs.push_back({cost, b, id});
   vertices_[b].arcs.push_back({cost, a, id});
   for (const std::size_t side : {from_start, from_goal}) {
@@ -178,6 +181,7 @@ void LifelongSearch::raise_changed() {
     label.ahead = infinity;
     label.parent_edge = none;
     if (!expanded) continue;
+    looked_at_ += vertices_[vertex].arcs.size();
     for (const Arc& arc : vertices_[vertex].arcs) {
       if (vertices_[arc.to].of[side].parent_edge == arc.edge) changed_.emplace_back(side, arc.to);
     }
@@ -195,6 +199,7 @@ void LifelongSearch::expand(std::size_t side) {
   const std::uint32_t id = queues_[side].top().vertex;
   queues_[side].pop();
   ++expanded_;
+  looked_at_ += vertices_[id].arcs.size();
   Label& label = vertices_[id].of[side];
   if (label.cost > label.ahead) {
     label.cost = label.ahead;

@@ -79,6 +79,8 @@ class LifelongSearch {
   }
   /// Vertices expanded so far: the total cost of all searches.
   [[nodiscard]] std::uint64_t expanded() const { return expanded_; }
+  /// Edges considered so far, by searches and repairs.
+  [[nodiscard]] std::uint64_t looked_at() const { return looked_at_; }
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -169,6 +171,7 @@ class LifelongSearch {
   double cost_ = infinity;
   bool apart_ = false;  ///< the last search found no path, and no later edge connects the parts
   std::uint64_t expanded_ = 0;
+  std::uint64_t looked_at_ = 0;
   std::vector<std::pair<std::size_t, std::uint32_t>> changed_;  ///< tree and vertex, for `raise_changed`
 };
 

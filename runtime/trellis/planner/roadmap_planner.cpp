@@ -61,6 +61,13 @@ std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
 }
 
 std::optional<Status> RoadmapPlanner::step() {
+  const std::optional<Status> status = advance();
+  context_.instance.checks.other += search_cost::edge * static_cast<double>(paths_.looked_at() - counted_);
+  counted_ = paths_.looked_at();
+  return status;
+}
+
+std::optional<Status> RoadmapPlanner::advance() {
   if (without_proposals_) return look_without_proposals();
   if (owed_ > 0) {
     grow();
@@ -342,6 +349,7 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   } else {
     connection_.find(index_, q, neighbours_);
   }
+  context_.instance.checks.other += search_cost::node;
   if (unless_there && std::any_of(neighbours_.begin(), neighbours_.end(),
                                   [](const auto& neighbour) { return neighbour.squared_distance == 0.0; })) {
     return false;

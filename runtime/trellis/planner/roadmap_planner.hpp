@@ -56,6 +56,8 @@ class RoadmapPlanner final : public Planner {
   /// Cost of an edge that represents no motion: too small to change the order of paths.
   static constexpr double jump_cost = 1e-12;
 
+  /// A step, without the count of its work.
+  std::optional<Status> advance();
   [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
   [[nodiscard]] View node(std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
 
@@ -198,6 +200,7 @@ class RoadmapPlanner final : public Planner {
   bool presumed_ = false;               ///< validity costs no checks: an edge counts as checked unless refuted
   bool tracked_ = true;                 ///< computes and reports connectivity
   bool disconnected_ = false;           ///< connectivity is outdated: a checked edge was removed
+  std::uint64_t counted_ = 0;           ///< edges that the graph search has considered, as counted so far
   std::uint64_t epoch_ = 0;
   bool solved_ = false;
 };

@@ -190,7 +190,8 @@ std::string bound_text(const LevelExplanation& level) {
   if (has_companion(level)) {
     return fmt::format(
         "the run costs at most {} times the work of {} without guides on the same seed, and {:g}: it runs beside the "
-        "guided search; work is validity checks and proposals",
+        "guided search, and the first path wins; work, in validity checks: checks, proposals, searches of graphs, and "
+        "the set-up of guides",
         marked(level, "bound", level.common.bound), level.planner.name(), companion_constant);
   }
   return fmt::format(
@@ -200,6 +201,17 @@ std::string bound_text(const LevelExplanation& level) {
       level.common.bound > 1.0 ? fmt::format("0.8 (bound - 1) = {:g}", 0.8 * (level.common.bound - 1.0))
                                : marked(level, "bound", level.common.bound),
       level.grant);
+}
+
+std::string set_up_text(const LevelExplanation& level) {
+  return fmt::format(
+      "of all guides: about {:.0f} checks, with 1 / {} of what is kept for the world; {}", level.set_up,
+      marked(level, "queries", level.common.queries),
+      level.set_up <= companion_constant
+          ? "it begins at once"
+          : fmt::format("it begins when {} without guides has done as much work beyond {:g}, unless that "
+                        "ends before",
+                        level.planner.name(), companion_constant));
 }
 
 std::string limits_text(const LevelExplanation& level) {
@@ -294,6 +306,7 @@ void add_level(const LevelExplanation& level, const std::string& guide, int abov
   block.add("", options_text(*level.kind->component, level.planner.options(), every_planner_has));
   block.add("proposals", proposals_text(level));
   if (level.guide) block.add("bound", bound_text(level));
+  if (has_companion(level)) block.add("set-up", set_up_text(level));
   block.add("limits", limits_text(level));
   block.add("checks", checks_text(level, above));
 }
@@ -443,6 +456,7 @@ Json level_json(const LevelExplanation& level, int above) {
            {{"goal", level.common.goal_bias}, {"uniform", (1.0 - level.common.goal_bias) * level.common.uniform}}},
           {"bound", level.common.bound},
           {"grant", level.grant},
+          {"set_up", has_companion(level) ? Json(level.set_up) : Json(nullptr)},
           {"guide", level.guide ? guide_json(*level.guide, level.number) : Json(nullptr)}};
 }
 

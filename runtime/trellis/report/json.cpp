@@ -294,6 +294,8 @@ Json bounded_json(const RunRecord& run) {
           {"largest_step", law.largest_step},
           {"guided_work", law.guided},
           {"unguided_work", law.unguided},
+          {"set_up_work", law.set_up},
+          {"guides_set_up", law.guides_set_up},
           {"unguided_proposals", law.unguided_proposals},
           {"won", !run.solved        ? "none"
                   : law.unguided_won ? "unguided"
@@ -319,6 +321,7 @@ Json run_json(const RunResult& run) {
                {"clearance", run.run.certified ? number(run.run.clearance) : Json(nullptr)},
                {"path_checks", run.run.path_checks},
                {"path_cpu_s", number(run.run.path_seconds)},
+               {"work", run.run.work},
                {"refuted_paths", run.run.refuted_paths},
                {"bounded_loss", bounded_json(run.run)},
                {"improvements", improvements_json(run.run.improvements)},

@@ -362,6 +362,29 @@ std::vector<std::uint64_t> parse_key(const std::string& key) {
   return numbers;
 }
 
+namespace {
+
+BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
+  BesideSummary beside;
+  std::vector<double> shares;
+  for (const RunResult* run : runs) {
+    const BoundedLoss& law = run->run.bounded;
+    if (law.bound == 0.0) continue;
+    ++beside.runs;
+    if (law.guided + law.unguided > 0.0) shares.push_back(law.unguided / (law.guided + law.unguided));
+    beside.unguided_won += law.unguided_won ? 1 : 0;
+    if (!law.guides_set_up) {
+      ++beside.not_set_up;
+    } else if (!run->levels.empty() && run->levels.front().record.guided_proposals == 0) {
+      ++beside.no_guided;
+    }
+  }
+  beside.unguided_share = median(std::move(shares));
+  return beside;
+}
+
+}  // namespace
+
 RunsSummary summarise(std::span<const RunResult* const> runs) {
   RunsSummary result;
   result.runs = runs.size();
@@ -402,6 +425,7 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
     }
   }
   add_shares(runs, result.levels);
+  result.beside = summarise_beside(runs);
   result.tree_waterfall = waterfall(runs, result.levels, &Scores::tree);
   result.expansion_waterfall = waterfall(runs, result.levels, &Scores::expansion);
   return result;
@@ -577,6 +601,24 @@ std::vector<const RunResult*> select_runs(const ExperimentResult& result, const 
     if ((problem.empty() || run.problem == problem) && run.strategy == strategy) runs.push_back(&run);
   }
   return runs;
+}
+
+std::string beside_text(const RunsSummary& summary) {
+  const BesideSummary& beside = summary.beside;
+  if (beside.runs == 0 || summary.levels.empty()) return "";
+  const auto runs = [&](std::size_t n) {
+    if (n < beside.runs) return fmt::format("{} of {}", n, plural(beside.runs, "run"));
+    return std::string(n == 1 ? "the run" : "all runs");
+  };
+  std::string text = fmt::format("{} without guides, beside the guided search: {:.0f} % of the work",
+                                 summary.levels.front().planner, 100.0 * beside.unguided_share);
+  if (beside.unguided_won > 0) text += fmt::format("; it found the path in {}", runs(beside.unguided_won));
+  if (beside.not_set_up > 0) {
+    text += fmt::format("; the guides were not set up in {}: it ended before it had done as much work as that costs",
+                        runs(beside.not_set_up));
+  }
+  if (beside.no_guided > 0) text += fmt::format("; the guides drew no proposal in {}", runs(beside.no_guided));
+  return text;
 }
 
 }  // namespace trellis

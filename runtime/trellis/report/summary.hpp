@@ -125,6 +125,15 @@ struct Waterfall {
   std::vector<WaterfallStep> steps;  ///< the deepest level first; one step from each of a level's guides
 };
 
+/// The runs of a guided strategy in which its planner ran beside the guided search, without guides.
+struct BesideSummary {
+  std::size_t runs = 0;
+  double unguided_share = std::numeric_limits<double>::quiet_NaN();  ///< of the work; median
+  std::size_t unguided_won = 0;                                      ///< runs whose path it found
+  std::size_t not_set_up = 0;  ///< runs that it ended before the guides were set up
+  std::size_t no_guided = 0;   ///< other runs in which the guides of the root drew no proposal
+};
+
 /// The runs of one strategy on one problem, or on all problems together.
 struct RunsSummary {
   std::size_t runs = 0;
@@ -142,6 +151,7 @@ struct RunsSummary {
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;
   Waterfall expansion_waterfall;
+  BesideSummary beside;
 };
 
 /// Two strategies on the same problem and seeds; differences are the second's minus the baseline's.
@@ -182,6 +192,10 @@ std::vector<std::string> guide_warnings(const Experiment& experiment, const Expe
                                         const std::string& problem, const std::vector<Comparison>& comparisons);
 std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
                                         const std::string& problem);
+
+/// Returns a sentence on what the planner beside the guided search did: its share of the work, in how many runs it
+/// found the path, and where the guides never drew. Empty where there was none.
+std::string beside_text(const RunsSummary& summary);
 
 /// Returns the runs of a strategy on a problem, in the order of the result; with an empty `problem`, on all problems.
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

@@ -281,6 +281,7 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
   if (levels.size() > 1 && summary.runs > 1) {
     out += wrap("medians over the runs: those of the levels do not sum to that of all levels", width, "  ", "  ");
   }
+  if (const std::string beside = beside_text(summary); !beside.empty()) out += wrap(beside, width, "  ", "  ");
   return out;
 }
 

@@ -78,21 +78,28 @@ class Running {
     run_.clock.switch_to(&setup_);
     root_->level().guidance().report_paths([this](double length) { note_improvement(run_, length); });
     if (strategy.guide() == nullptr) return;
-    bound_ = root_->level().common().bound;
+    const PlannerCommon& common = root_->level().common();
+    bound_ = common.bound;
+    run_.queries = common.queries;
+    guides_ = strategy.guide();
     if (bound_ > 1.0) {
+      set_up_ = set_up_work(*guides_, *problem.scene, common.queries);
       root_->level().rely_on_companion();
       companion_.emplace(strategy, problem, run_);
       companion_->search().level().guidance().report_paths(
           [this](double length) { note_improvement(companion_->run(), length); });
       run_.before_step = [this] { return companion_ends_run(); };
     }
-    root_->level().guide_by(*strategy.guide());
+    // Otherwise the companion goes first.
+    if (set_up_ <= companion_constant) set_up();
   }
 
   /// Searches until a path is certified, or until no search is left.
   void search() {
-    while (!root_->ended()) root_->step();
-    note_step();
+    if (guides_ == nullptr || is_set_up_ || set_up_after_companion()) {
+      while (!root_->ended()) root_->step();
+      note_step();
+    }
     if (companion_ && !root_->certified() && !interrupted()) {
       // What the unguided planner finds, a guided run finds too.
       companion_->keep_up(std::numeric_limits<double>::infinity(), run_.clock);
@@ -115,6 +122,7 @@ class Running {
       record.validity_checks += level->instance().checks.validity;
       record.motion_checks += level->instance().checks.motion;
     }
+    record.work = run_.work() + (companion_ ? companion_->work() : 0.0);
     if (record.solved) add_path(record, decisive);
     for (RootSearch* search : searches()) {
       record.path_checks += search->check_path().checks();
@@ -170,13 +178,32 @@ class Running {
 
   [[nodiscard]] bool interrupted() const { return options_.interrupted && options_.interrupted(); }
 
+  /// Makes the levels of the guides.
+  void set_up() {
+    is_set_up_ = true;
+    guided_before_ = set_up_;
+    root_->level().guide_by(*guides_);
+  }
+  /// Lets the companion do as much work as the set-up costs, then makes the levels of the guides. Returns whether it
+  /// did: not if the companion has ended before.
+  bool set_up_after_companion() {
+    companion_->keep_up((set_up_ - companion_constant) / (bound_ - 1.0), run_.clock);
+    if (interrupted() || companion_decides(set_up_)) return false;
+    set_up();
+    return true;
+  }
+  /// Whether the companion has ended, and with a path or before more guided work is permitted.
+  [[nodiscard]] bool companion_decides(double guided) {
+    const RootSearch& other = companion_->search();
+    return other.ended() && (other.certified() || guided > (bound_ - 1.0) * companion_->work() + companion_constant);
+  }
+
   /// Called before each step of the guided search: lets the companion catch up. Returns whether the run ends.
   bool companion_ends_run() {
     if (ending_) return true;
     const double guided = run_.work();
     companion_->keep_up((guided - companion_constant) / (bound_ - 1.0), run_.clock);
-    const RootSearch& other = companion_->search();
-    ending_ = other.ended() && (other.certified() || guided > (bound_ - 1.0) * companion_->work() + companion_constant);
+    ending_ = companion_decides(guided);
     // What the levels still do while they end counts with the step before.
     if (!ending_) note_step();
     return ending_;
@@ -215,6 +242,8 @@ class Running {
                       .largest_step = largest_step_,
                       .guided = run_.work(),
                       .unguided = companion_->work(),
+                      .set_up = is_set_up_ ? run_.set_up : set_up_,
+                      .guides_set_up = is_set_up_,
                       .unguided_won = companion_decides_ && record.solved,
                       .unguided_proposals = companion_->search().level().record().search.proposals.size()};
     const Search& own = root_->level().record().search;
@@ -254,6 +283,9 @@ class Running {
   Run run_;
   double setup_ = 0.0;
   double bound_ = 0.0;
+  const GuideSpec* guides_ = nullptr;
+  double set_up_ = 0.0;  ///< estimated work of the set-up
+  bool is_set_up_ = false;
   std::optional<RootSearch> root_;
   std::optional<Companion> companion_;
   double guided_before_ = 0.0;  ///< work of the guided search before its last step

@@ -113,19 +113,22 @@ struct Turn {
   Configurations path;       ///< path of the solve that ended; empty if none ended or no path was found
 };
 
-/// The constant of bounded loss, in validity checks and proposals.
-inline constexpr double companion_constant = 500.0;
+/// The constant of bounded loss, in validity checks.
+inline constexpr double companion_constant = 800.0;
 
-/// The shares of a guided run in its work: validity checks and proposals. Bounded loss: guided + unguided <=
+/// The shares of a guided run in its work, in validity checks: checks, proposals, what searches of graphs do besides,
+/// and the set-up of guides. Bounded loss: guided + unguided <=
 /// bound * U + constant + largest_step, where U is the work of the same planner without guides on this seed, which is
 /// at least `unguided`.
 struct BoundedLoss {
   double bound = 0.0;  ///< 0: the guided search ran alone
   double constant = 0.0;
-  double largest_step = 0.0;  ///< of the guided search: work between two places where it can wait, or up to its end
-  double guided = 0.0;        ///< of all levels
-  double unguided = 0.0;      ///< of the planner that ran beside them without guides
-  bool unguided_won = false;  ///< it found the path
+  double largest_step = 0.0;   ///< of the guided search: work between two places where it can wait, or up to its end
+  double guided = 0.0;         ///< of all levels
+  double unguided = 0.0;       ///< of the planner that ran beside them without guides
+  double set_up = 0.0;         ///< of the guides: part of `guided`, or an estimate where they were not set up
+  bool guides_set_up = false;  ///< false: the unguided planner ended before it had done as much work as that
+  bool unguided_won = false;   ///< it found the path
   std::uint64_t unguided_proposals = 0;  ///< the last proposals of level 0
 };
 
@@ -139,6 +142,7 @@ struct RunRecord {
   Trajectory trajectory;     ///< controls of the path if the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
+  double work = 0.0;                  ///< of all levels, in validity checks: see BoundedLoss
   std::uint64_t shortcut_checks = 0;  ///< validity checks of shortcutting; the sums above exclude them
   /// Whether `path` is certified: everywhere on it the robot is free of contact (PathCertificate). Every path that is
   /// reported is.

@@ -142,7 +142,9 @@ LevelExplanation explain(const StrategySpec& strategy, const Problem& problem) {
   if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());
   Levels levels;
   for (Level* level : run.levels) levels.emplace(level->record().key, level);
-  return explained(root, strategy.guide(), true, levels);
+  LevelExplanation out = explained(root, strategy.guide(), true, levels);
+  if (strategy.guide() != nullptr) out.set_up = set_up_work(*strategy.guide(), *problem.scene, out.common.queries);
+  return out;
 }
 
 }  // namespace trellis

@@ -60,9 +60,9 @@ struct LevelExplanation {
   /// The options of a default planner that it takes from the levels above.
   std::vector<std::string> inherited = {};
   PlannerCommon common;  ///< the applicable shares, bound and budget
-  /// Work (validity checks and proposals) that guided proposals and the levels below may spend before the bound
-  /// applies.
+  /// Below the root: work that guided proposals and the levels below may spend before the bound applies.
   double grant = 0.0;
+  double set_up = 0.0;  ///< of the root: estimated work of setting up all guides, in validity checks
   std::optional<GuideExplanation> guide = {};
   std::vector<int> below = {};  ///< numbers of all levels below that the guide searches
 };

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <set>
+#include <string>
 #include <utility>
 
+#include <trellis/guide/set_up.hpp>
 #include <trellis/strategy/level.hpp>
 
 namespace trellis {
@@ -32,6 +35,27 @@ std::unique_ptr<SearchedGuidance> make_guidance_at(Run& run, Level& level, const
 }
 
 }  // namespace
+
+namespace {
+
+void add_set_up(const GuideSpec& spec, const Scene& scene, double queries, std::set<std::string>& prepared,
+                double& sum) {
+  for (const auto& term : spec.terms()) add_set_up(term.guide, scene, queries, prepared, sum);
+  if (spec.kind() != GuideSpec::Kind::component) return;
+  const SetUp work = spec.custom() ? set_up_of_custom() : set_up_of(spec.name(), scene);
+  sum += work.run;
+  if (work.world > 0.0 && prepared.insert(spec.name()).second) sum += work.world / queries;
+  if (spec.below() != nullptr) add_set_up(*spec.below(), scene, queries, prepared, sum);
+}
+
+}  // namespace
+
+double set_up_work(const GuideSpec& guides, const Scene& scene, double queries) {
+  std::set<std::string> prepared;
+  double sum = 0.0;
+  add_set_up(guides, scene, queries, prepared, sum);
+  return sum;
+}
 
 std::unique_ptr<SearchedGuidance> make_guidance(Run& run, Level& level, const GuideSpec& spec) {
   return make_guidance_at(run, level, spec, level.record().key + "/0");

@@ -301,6 +301,7 @@ class ComponentGuidance final : public SearchedGuidance {
   /// Applies f to the current instance.
   std::unique_ptr<Instance> project() {
     projected_ = parent_.instance().scene;
+    run_.count_set_up(spec_, *projected_);
     again_ = false;
     if (!known_) return located([&] { return guide_->project(parent_.instance()); });
     known_->paths.clear();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <trellis/guide/excluded.hpp>
+#include <trellis/guide/set_up.hpp>
 #include <trellis/instance/certified_validity.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/absorb.hpp>
@@ -24,11 +25,19 @@ double thread_seconds() {
 }
 
 double Run::work() const {
-  double sum = 0.0;
+  double sum = set_up;
   for (const Level* level : levels) {
     sum += level->spent();
   }
   return sum;
+}
+
+void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
+  const SetUp work = guide.custom() ? set_up_of_custom() : set_up_of(guide.name(), scene);
+  set_up += work.run;
+  if (work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second) {
+    set_up += work.world / queries;
+  }
 }
 
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
@@ -73,6 +82,7 @@ double Level::work() const {
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
   instance->checks.validity += instance_->checks.validity;
   instance->checks.motion += instance_->checks.motion;
+  instance->checks.other += instance_->checks.other;
   instance->revision = instance_->epoch() + 1;
   instance->step = instance_->step;
   if (!kind_.graph) instance->graph = nullptr;

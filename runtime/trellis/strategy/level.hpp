@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,21 +56,29 @@ struct Run {
   std::vector<Improvement> improvements;  ///< of the root's path
   RunShared shared;
   bool companion = false;  ///< it runs beside another run: its levels have the number -1
+  double queries = 1.0;    ///< runs that share what is set up for the world
+  double set_up = 0.0;     ///< work of setting up guides, in validity checks
   /// Called before each step of each level. Returns whether the run ends.
   std::function<bool()> before_step;
 
-  /// Validity checks and proposals of all levels.
+  /// Counts the set-up of a guide's space. What depends on the world alone counts once in a run, with one part in
+  /// `queries`.
+  void count_set_up(const GuideSpec& guide, const Scene& scene);
+  /// Work of all levels, in validity checks.
   [[nodiscard]] double work() const;
+
+ private:
+  std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
 };
 
 /// The guidance of a level's planner: goal bias, uniform sampling, the guide, and a path received from another space.
 ///
 /// Without a companion it divides the work between guided and unguided proposals. Work is the number of validity checks
-/// and proposals. The work of guided proposals and of all levels below is at most `guided_share` times the work of
-/// unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of the work below, a
-/// part of the checks that progress there required is deducted. If this limit is reached, or if the guide's space is
-/// still being searched, the planner draws unguided proposals. A companion (at the root, with a bound of more than 1)
-/// does the unguided work instead.
+/// and proposals. The work of guided proposals and of all levels below is at
+/// most `guided_share` times the work of unguided proposals, beyond a grant and beyond the work earned by progress
+/// along guiding paths. Of the work below, a part of the checks that progress there required is deducted. If this limit
+/// is reached, or if the guide's space is still being searched, the planner draws unguided proposals. A companion (at
+/// the root, with a bound of more than 1) does the unguided work instead.
 class LevelGuidance final : public Guidance {
  public:
   /// \param search  record of the level's planner; outlives this object
@@ -222,7 +231,7 @@ class LevelGuidance final : public Guidance {
   enum class Part : std::uint8_t { goal, uniform, informed, guide };
   static constexpr double informed_share = 0.5;
   /// With a bound of 2, a level below the root divides its work as with the default bound.
-  static constexpr double guided_rate = PlannerCommon().bound;
+  static constexpr double guided_rate = 0.8;
   /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
   /// the minimum of any planner.
   static constexpr double grant_rate = 1.5;
@@ -373,8 +382,8 @@ class Level {
   Advance advance(double proposals, const Slice& slice);
   /// Validity checks and proposals of this level.
   [[nodiscard]] double own_work() const;
-  /// The same without proposals that its search has from other levels.
-  [[nodiscard]] double spent() const { return own_work() - absorbed_; }
+  /// The same with what searches of graphs do besides, without proposals that its search has from other levels.
+  [[nodiscard]] double spent() const { return own_work() + instance_->checks.other - absorbed_; }
   /// Called when its search has received the proposals of a half.
   void note_absorbed(std::size_t proposals) { absorbed_ += static_cast<double>(proposals); }
   /// Validity checks and proposals of this level and all below it, less what is deducted for progress.

@@ -68,12 +68,20 @@ std::string find_level(const std::vector<RunResult>& runs, const std::string& na
   std::vector<const RunResult*> all;
   all.reserve(runs.size());
   for (const RunResult& run : runs) all.push_back(&run);
-  const std::vector<LevelSummary> levels = summarise(all).levels;
+  const RunsSummary summary = summarise(all);
+  const std::vector<LevelSummary>& levels = summary.levels;
+  const std::string missing =
+      summary.beside.not_set_up > 0
+          ? fmt::format(
+                "; in {} of {} runs {} solved the problem before its guides were set up: bound = 0 begins with "
+                "them",
+                summary.beside.not_set_up, summary.runs, levels.front().planner)
+          : "";
   if (!name.empty() && name.find_first_not_of("0123456789") == std::string::npos) {
     constexpr std::size_t digits = 4;
     const std::size_t number = name.size() <= digits ? std::stoul(name) : levels.size();
     if (number < levels.size()) return levels[number].key;
-    throw Error(fmt::format("there is no level {}; the levels are: {}", name, listed(levels)));
+    throw Error(fmt::format("there is no level {}; the levels are: {}{}", name, listed(levels), missing));
   }
   const auto segments = segments_of(name);
   std::vector<std::size_t> found;
@@ -87,8 +95,8 @@ std::string find_level(const std::vector<RunResult>& runs, const std::string& na
       known.push_back(component_of(level.name));
       known.push_back(level.name);
     }
-    throw Error(
-        fmt::format("no level is called '{}'{}; the levels are: {}", name, did_you_mean(name, known), listed(levels)));
+    throw Error(fmt::format("no level is called '{}'{}; the levels are: {}{}", name, did_you_mean(name, known),
+                            listed(levels), missing));
   }
   std::string numbers;
   for (const std::size_t i : found) numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", i);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
 #include <trellis/scene/planar/erosion.hpp>
 #include <trellis/scene/planar/reduced_robot.hpp>
@@ -71,11 +72,15 @@ std::shared_ptr<const Scene> PlanarScene::reduced(const std::vector<std::size_t>
 }
 
 std::shared_ptr<const Scene> PlanarScene::eroded(double distance) const {
-  return std::make_shared<PlanarScene>(trellis::eroded(world, distance), robot);
+  static CacheByWorld<World, double> cache;
+  return std::make_shared<PlanarScene>(
+      *cache.get(world, distance, [&](const World& of) { return trellis::eroded(of, distance); }), robot);
 }
 
 std::shared_ptr<const Scene> PlanarScene::aggregated(double error) const {
-  return std::make_shared<PlanarScene>(trellis::aggregated(world, error), robot);
+  static CacheByWorld<World, double> cache;
+  return std::make_shared<PlanarScene>(
+      *cache.get(world, error, [&](const World& of) { return trellis::aggregated(of, error); }), robot);
 }
 
 const PlanarScene& planar(const Scene& scene) {

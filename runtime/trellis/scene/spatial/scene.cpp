@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/spatial/aggregate.hpp>
 #include <trellis/scene/spatial/erosion.hpp>
 
@@ -82,11 +83,15 @@ std::shared_ptr<const Scene> SpatialScene::reduced(const std::vector<std::size_t
 }
 
 std::shared_ptr<const Scene> SpatialScene::eroded(double distance) const {
-  return std::make_shared<SpatialScene>(trellis::eroded(world, distance), robot);
+  static CacheByWorld<World3, double> cache;
+  return std::make_shared<SpatialScene>(
+      *cache.get(world, distance, [&](const World3& of) { return trellis::eroded(of, distance); }), robot);
 }
 
 std::shared_ptr<const Scene> SpatialScene::aggregated(double error) const {
-  return std::make_shared<SpatialScene>(trellis::aggregated(world, error), robot);
+  static CacheByWorld<World3, double> cache;
+  return std::make_shared<SpatialScene>(
+      *cache.get(world, error, [&](const World3& of) { return trellis::aggregated(of, error); }), robot);
 }
 
 const SpatialScene& spatial(const Scene& scene) {

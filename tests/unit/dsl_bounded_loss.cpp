@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bounded loss for random hierarchies of all guides of the catalogue and of guides in Lua that mislead.
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <dsl/language/session.hpp>
+
+#include "support/bounded_loss.hpp"
+#include "support/catch.hpp"
+#include "support/random_specs.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+const char* const guides = R"(
+local function bias(name, draw)
+  return guiding_space { name = name, space = {}, heuristic = function(_, instance)
+    return function(random) return draw(random, instance) end
+  end }
+end
+-- Valid motion near the start, which leads nowhere.
+local zigzag = bias("zigzag", function(random, instance)
+  local q, lower, upper = {}, instance.space.lower, instance.space.upper
+  for i = 1, #lower do q[i] = math.max(lower[i], math.min(upper[i], instance.start[i] + (i < 3 and random() or 0))) end
+  return table.unpack(q)
+end)
+local goal = bias("goal", function(_, instance)
+  local q = {}
+  for i = 1, #instance.space.lower do q[i] = instance.goal[i] end
+  return table.unpack(q)
+end)
+-- The workspace as a Lua guide, which spends checks of its own.
+local point = guiding_space {
+  name = "point", space = { "x", "y" }, robot = robot.point(),
+  heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end,
+}
+local all = {
+  zigzag, goal, point, workspace(), decomposition(), holonomic(), joints { "x", "y" }, pca(2), widen(0.1), drop(),
+  aggregate(), uniform(), bridge_test(0.6), obstacle_based(), medial_axis(), halton(), informed { cost = 30 },
+}
+local strategies = {}
+for i, guide in ipairs(all) do strategies[i] = { tostring(i), guide >> rrt() } end
+return experiment { problems = scenes.cup(), strategies = strategies, seeds = 1 }
+)";
+
+}  // namespace
+
+TEST_CASE("bounded loss holds for random hierarchies", "[dsl][bound]") {
+  const char* set = std::getenv("TRELLIS_RUNS");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  const std::uint64_t runs = set != nullptr ? std::strtoull(set, nullptr, 10) : 60;
+  const dsl::Program program = dsl::Session("").load(guides, "guides.lua");
+  std::vector<GuideSpec> others;
+  for (const auto& [name, strategy] : program.experiment.strategies) others.push_back(*strategy.guide());
+  test::RandomSpecs specs(7, 2.0, others);
+  const std::vector<Problem> problems = {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()};
+  for (std::uint64_t i = 0; i < runs; ++i) test::check_law(specs.strategy(4), problems[i % problems.size()], i);
+}
