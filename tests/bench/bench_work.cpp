@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measures what the table of set-ups is made from (runtime/trellis/guide/set_up.cpp): the CPU time of a validity check,
-// and of the set-up of the guides of each strategy of a script, once for a world and again in each run.
+// and of the set-up of the guides of each strategy of a script, once for a world and again in each run; and of a run of
+// one proposal without a bound, less that of the planner alone: it makes h, and searches S where there is one.
 //
 //   bench_work SCRIPT [ROUNDS]
 #include <fmt/format.h>
@@ -46,6 +47,16 @@ Problem renewed(Problem problem) {
   return problem;
 }
 
+/// The planner with a budget of one proposal, which h draws.
+PlannerSpec of_one_proposal(const PlannerSpec& planner) {
+  std::vector<Options::Entry> options = planner.options().entries();
+  for (auto& [name, value] : options) {
+    if (name == "proposals") value = 1.0;
+    if (name == "bound" || name == "goal_bias" || name == "uniform") value = 0.0;
+  }
+  return PlannerSpec::make(planner.name(), options);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -61,7 +72,7 @@ int main(int argc, char** argv) {
   std::vector<dsl::Program> copies;
   for (int i = 0; i < times; ++i) copies.push_back(dsl::Session("").load(text.str(), argv[1]));
   const dsl::Program& program = copies.front();
-  fmt::print("world,strategy,obstacles,check_us,once_us,each_us\n");
+  fmt::print("world,strategy,obstacles,check_us,once_us,each_us,first_proposal_us\n");
   for (std::size_t p = 0; p < program.experiment.problems.size(); ++p) {
     const Problem& problem = program.experiment.problems[p];
     const StrategySpec alone = program.experiment.strategies.front().second;
@@ -82,7 +93,7 @@ int main(int argc, char** argv) {
                                           }) /
                            many;
     for (const auto& [name, strategy] : program.experiment.strategies) {
-      std::vector<double> first, again;
+      std::vector<double> first, again, proposed;
       try {
         for (const dsl::Program& copy : copies) {
           const Problem fresh = renewed(copy.experiment.problems[p]);
@@ -92,14 +103,19 @@ int main(int argc, char** argv) {
           const double none = seconds(planner);
           first.push_back(seconds(strategy) - none);
           again.push_back(median_seconds(5, [&] { check(strategy, fresh); }) - none);
+          const StrategySpec alone_once(of_one_proposal(strategy.planner()));
+          const double unguided = median_seconds(5, [&] { execute(alone_once, fresh, 1); });
+          if (strategy.guide() == nullptr) continue;
+          const StrategySpec guided_once(of_one_proposal(strategy.planner()), *strategy.guide());
+          proposed.push_back(median_seconds(5, [&] { execute(guided_once, fresh, 1); }) - unguided);
         }
       } catch (const std::exception& error) {
         fmt::print("{},{},{:.3f},error: {}\n", problem.name, name, 1e6 * check_s, error.what());
         continue;
       }
       const double each = median(again), once = median(first) - each;
-      fmt::print("{},{},{},{:.3f},{:.1f},{:.1f}\n", problem.name, name, problem.scene->obstacle_count(), 1e6 * check_s,
-                 1e6 * once, 1e6 * each);
+      fmt::print("{},{},{},{:.3f},{:.1f},{:.1f},{:.1f}\n", problem.name, name, problem.scene->obstacle_count(),
+                 1e6 * check_s, 1e6 * once, 1e6 * each, proposed.empty() ? 0.0 : 1e6 * median(proposed));
     }
   }
 }

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include <dsl/language/session.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/strategy/executor.hpp>
 
 #include "support/bounded_loss.hpp"
 #include "support/catch.hpp"
@@ -57,5 +59,18 @@ TEST_CASE("bounded loss holds for random hierarchies", "[dsl][bound]") {
   for (const auto& [name, strategy] : program.experiment.strategies) others.push_back(*strategy.guide());
   test::RandomSpecs specs(7, 2.0, others);
   const std::vector<Problem> problems = {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()};
-  for (std::uint64_t i = 0; i < runs; ++i) test::check_law(specs.strategy(4), problems[i % problems.size()], i);
+  std::uint64_t refused = 0;
+  for (std::uint64_t i = 0; i < runs; ++i) {
+    const StrategySpec strategy = specs.strategy(4);
+    const Problem& problem = problems[i % problems.size()];
+    try {
+      check(strategy, problem);
+    } catch (const Error&) {
+      // Some guides cannot make their space from that of another one, as two dimensions of two.
+      ++refused;
+      continue;
+    }
+    test::check_law(strategy, problem, i);
+  }
+  CHECK(10 * refused < runs);
 }

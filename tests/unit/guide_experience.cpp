@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <trellis/guide/guide.hpp>
+#include <trellis/guide/set_up.hpp>
 #include <trellis/memory/library.hpp>
 
 #include "support/catch.hpp"
@@ -118,6 +119,23 @@ TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide
     CHECK(r.found.status == Status::no_path);
     CHECK(r.sub->checks.validity == 0);
     CHECK(test::record_of(*r.h).at(problem.start) == Approx(std::exp(-problem.space.log_volume())));
+  }
+}
+
+TEST_CASE("the work of setting up grows with the stored paths, up to those that are retrieved", "[guide][experience]") {
+  const Problem problem = plane({}, {1, 5}, {9, 5});
+  const Stored library({{problem, path_of({{1, 5}, {9, 5}})}, {problem, path_of({{1, 5}, {5, 8}, {9, 5}})}});
+  for (const char* name : {"experience", "path_database"}) {
+    const auto work = [&](const std::string& file, std::int64_t candidates) {
+      const Options options =
+          Options::validate(*find_guide(name)->component, {{"db", file}, {"candidates", candidates}});
+      return set_up_of(name, options, *problem.scene).run;
+    };
+    const double none = work("missing.db", 10);
+    const double one = work(library.file(), 1);
+    CHECK(one > none);
+    CHECK(work(library.file(), 10) - one == one - none);
+    CHECK(work(library.file(), 2) == work(library.file(), 10));
   }
 }
 

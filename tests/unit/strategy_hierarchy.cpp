@@ -262,11 +262,12 @@ TEST_CASE("the work of setting up is known for every guide, and grows with the w
   const Problem passage = test::simple_passage_problem(), slot = test::slot_problem();
   for (const GuideKind& kind : guide_kinds()) {
     CAPTURE(kind.component->name);
+    const Options options = Options::validate(*kind.component, {});
     for (const Problem* problem : {&passage, &slot}) {
-      const SetUp few = set_up_of(kind.component->name, *problem->scene);
+      const SetUp few = set_up_of(kind.component->name, options, *problem->scene);
       CHECK(few.run > 0.0);
       CHECK(few.world >= 0.0);
-      const SetUp none = set_up_of(kind.component->name, *problem->scene->with_obstacles({}));
+      const SetUp none = set_up_of(kind.component->name, options, *problem->scene->with_obstacles({}));
       CHECK(none.run <= few.run);
       CHECK(none.world <= few.world);
     }

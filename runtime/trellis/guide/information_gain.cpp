@@ -28,11 +28,9 @@ const Settings<InformationGainSettings>& information_gain_settings() {
       Settings<InformationGainSettings>(
           Component::Kind::guide, "information_gain",
           "of some uniform configurations the one whose validity is predicted with the least certainty, by the nearest "
-          "of "
-          "the configurations that the planner found valid and invalid; S = {0}",
+          "of the configurations that the planner found valid and invalid; S = {0}",
           "Burns and Brock 2003, Information theoretic construction of probabilistic roadmaps; utility: Burns and "
-          "Brock "
-          "2005, Toward optimal configuration space sampling")
+          "Brock 2005, Toward optimal configuration space sampling")
           .integer("candidates", &InformationGainSettings::candidates, "configurations", {.lo = 1, .hi = 1000},
                    "uniform configurations of which the one with the most gain is proposed")
           .integer("neighbours", &InformationGainSettings::neighbours, "configurations", {.lo = 1, .hi = 100},

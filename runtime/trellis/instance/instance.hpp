@@ -129,8 +129,8 @@ struct Graph {
 struct Checks {
   std::uint64_t validity = 0;  ///< configurations, those on motions included
   std::uint64_t motion = 0;    ///< motions
-  /// Work of searches that is neither checks nor proposals, in validity checks: edges that a search of a graph
-  /// considers, nodes and edges that a roadmap adds.
+  /// Work that is neither checks nor proposals, in validity checks (search_cost): edges that a search of a graph
+  /// considers, nodes and edges that a roadmap adds, distances from obstacles.
   double other = 0.0;
 };
 
@@ -228,14 +228,13 @@ class Instance {
 
   /// Returns the clearance; counts as one validity check.
   [[nodiscard]] double clearance(View q) {
-    if (validity->spends_checks()) ++checks.validity;
-    checks.other += search_cost::clearance;
+    count_distance();
     return validity->clearance(q);
   }
 
   /// Returns the nearest obstacle; counts as one validity check.
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) {
-    if (validity->spends_checks()) ++checks.validity;
+    count_distance();
     return validity->nearest_obstacle(q);
   }
 
@@ -245,6 +244,14 @@ class Instance {
   Checks checks;
   std::shared_ptr<VerifiedMotions> verified;  ///< valid motions; nullptr: does not store them
   std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
+
+ private:
+  /// A distance from obstacles counts as a check, and its work as more.
+  void count_distance() {
+    if (!validity->spends_checks()) return;
+    ++checks.validity;
+    checks.other += search_cost::clearance;
+  }
 };
 
 /// Returns validity by collision checks and, with a motion model, by its limits and the bounds of its states.

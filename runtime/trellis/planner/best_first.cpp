@@ -37,8 +37,7 @@ const Settings<BestFirstSettings>& best_first_settings() {
           "greedy best-first search of an explicit graph: a path, not the shortest one, after few expansions; by "
           "Euclidean distance to the goal, or with a model by a heuristic that was learnt from the state of searches "
           "(SaIL). Where it is guided, vertices near the guiding path are expanded earlier, or near proposals of a "
-          "guide "
-          "without a path",
+          "guide without a path",
           "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation; Doran and Michie 1966")
           .file("model", &BestFirstSettings::model,
                 "the search heuristic, as trellis train --search makes it; none: Euclidean distance")

@@ -42,7 +42,7 @@ void add_set_up(const GuideSpec& spec, const Scene& scene, double queries, std::
                 double& sum) {
   for (const auto& term : spec.terms()) add_set_up(term.guide, scene, queries, prepared, sum);
   if (spec.kind() != GuideSpec::Kind::component) return;
-  const SetUp work = spec.custom() ? set_up_of_custom() : set_up_of(spec.name(), scene);
+  const SetUp work = spec.custom() ? set_up_of_custom() : set_up_of(spec.name(), spec.options(), scene);
   sum += work.run;
   if (work.world > 0.0 && prepared.insert(spec.name()).second) sum += work.world / queries;
   if (spec.below() != nullptr) add_set_up(*spec.below(), scene, queries, prepared, sum);

@@ -33,7 +33,7 @@ double Run::work() const {
 }
 
 void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
-  const SetUp work = guide.custom() ? set_up_of_custom() : set_up_of(guide.name(), scene);
+  const SetUp work = guide.custom() ? set_up_of_custom() : set_up_of(guide.name(), guide.options(), scene);
   set_up += work.run;
   if (work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second) {
     set_up += work.world / queries;
