@@ -622,6 +622,27 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 
+TEST_CASE("a report says where the planner alone solved the problem before its guides were set up") {
+  const Place place;
+  // The medial axis of the cup costs more work than the planner alone.
+  place.script("once.lua",
+               "return experiment { problems = scenes.cup(), seeds = 2, measure = false,\n"
+               "  strategies = { once = skeleton() >> rrt_connect { bound = 2, queries = 1 } } }\n");
+  const std::string sentence =
+      "rrt_connect without guides, beside the guided search: 100 % of the work; it found the path in all runs; the "
+      "guides "
+      "were not set up in all runs, where it had not done as much work as that costs";
+  for (const std::string kind : {"overview", "levels"}) {
+    CAPTURE(kind);
+    const auto outcome = place.run({"run", "once.lua", "--report", kind});
+    CHECK(outcome.status == 0);
+    std::istringstream words(outcome.out);
+    std::string text;
+    for (std::string word; words >> word;) text += (text.empty() ? "" : " ") + word;
+    CHECK(text.find(sentence) != std::string::npos);
+  }
+}
+
 TEST_CASE("unused parts of a script are reported once, after the report") {
   const Place place;
   place.script("unused.lua",

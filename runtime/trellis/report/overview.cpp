@@ -416,6 +416,17 @@ std::string rejections_text(const Experiment& experiment, const Row& row, std::s
   return out;
 }
 
+/// Says for each strategy in how many runs its guides drew nothing, because the problem was solved first.
+std::string undrawn_text(const Section& section, std::size_t width) {
+  std::string out;
+  for (const Row& row : section.rows) {
+    const BesideSummary& beside = row.summary.beside;
+    if (beside.not_set_up + beside.no_guided == 0) continue;
+    out += wrap(row.name + ": " + beside_text(row.summary), width, "", "  ");
+  }
+  return out;
+}
+
 /// Says that the paths are certified, and which one comes closest to contact.
 std::string certificates_text(const Section& section, std::size_t width) {
   const RunResult* closest = nullptr;
@@ -462,7 +473,7 @@ std::string overview_text(const Experiment& experiment, const ExperimentResult& 
   std::string out;
   for (const Section& section : sections) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
-    out += certificates_text(section, width);
+    out += certificates_text(section, width) + undrawn_text(section, width);
     out += warnings(experiment, result, section, width);
     if (tables > most_level_tables) continue;
     for (const Row& row : section.rows) {

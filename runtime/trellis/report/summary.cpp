@@ -614,7 +614,7 @@ std::string beside_text(const RunsSummary& summary) {
                                  summary.levels.front().planner, 100.0 * beside.unguided_share);
   if (beside.unguided_won > 0) text += fmt::format("; it found the path in {}", runs(beside.unguided_won));
   if (beside.not_set_up > 0) {
-    text += fmt::format("; the guides were not set up in {}: it ended before it had done as much work as that costs",
+    text += fmt::format("; the guides were not set up in {}, where it had not done as much work as that costs",
                         runs(beside.not_set_up));
   }
   if (beside.no_guided > 0) text += fmt::format("; the guides drew no proposal in {}", runs(beside.no_guided));
