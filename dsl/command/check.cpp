@@ -73,7 +73,7 @@ void try_functions(const std::string& name, const StrategySpec& strategy, const 
   const auto begin = std::chrono::steady_clock::now();
   int steps = 0;
   const auto enough = [&] { return ++steps > few || std::chrono::steady_clock::now() - begin > patience; };
-  static_cast<void>(run_cell(name, strategy, problem, 1, {.interrupted = enough, .lift = false}));
+  static_cast<void>(run_cell(name, strategy, problem, 1, {.interrupted = enough, .lift = false, .companion = false}));
 }
 
 /// Checks one script without planning, except for a few proposals that its functions guide; returns whether it has no

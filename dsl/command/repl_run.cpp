@@ -89,6 +89,7 @@ void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& int
   if (!run.execution->advance([&] { return run.proposals >= proposals || (interrupted && interrupted()); })) return;
   const RunResult& result = run.result();
   run.execution.reset();
+  check_unused_guides(run.strategy, run.problem, result.run);
   if (!run.last || run.last->level >= 0) return;
   // The record of level 0 ends with the proposals of the unguided planner.
   const std::size_t all = result.levels.front().record.search.proposals.size();

@@ -78,6 +78,9 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
           run_cell(name, spec, experiment.problems[cell / seeds / strategies], experiment.seeds[cell % seeds],
                    {.shortcut = experiment.shortcut, .interrupted = interrupted, .lift = false});
       if (run.run.status == Status::interrupted) throw Interrupted();
+      if (cell % seeds == 0) {
+        check_unused_guides(spec, experiment.problems[cell / seeds / strategies], run.run);
+      }
       release(run);
       file.append(keys[cell], run_line(run));
       const std::scoped_lock lock(mutex);

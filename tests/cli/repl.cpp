@@ -393,7 +393,7 @@ TEST_CASE("a run in space is drawn as edges from a corner, and written as a pict
            "robot = plank, start = pose {1, 1, 1}, goal = pose {9, 9, 3} }\n"
            "unplanned = plan(rrt_connect { proposals = 1 }, slot)\n"
            "plot()\n"
-           "planned = plan(workspace() >> rrt_connect { step = 1 }, hall)\n"
+           "planned = plan(workspace() >> rrt_connect { step = 1, bound = 0 }, hall)\n"
            "plot 'hall.svg'\n"
            "plot(1)\n");
   CHECK(piped.err.empty());

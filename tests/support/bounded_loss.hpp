@@ -12,11 +12,16 @@
 
 namespace trellis::test {
 
+/// The planner without the sub-goals of a split.
+inline PlannerSpec undivided(const PlannerSpec& planner) {
+  return planner.dividing() != nullptr ? undivided(planner.undivided()) : planner;
+}
+
 /// Checks the law against the planner alone on the same seed.
 inline void check_law(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed) {
   CAPTURE(strategy.text(), problem.name, seed);
   const RunRecord guided = execute(strategy, problem, seed);
-  const RunRecord alone = execute(strategy.planner(), problem, seed);
+  const RunRecord alone = execute(undivided(strategy.planner()), problem, seed);
   const BoundedLoss& law = guided.bounded;
   REQUIRE(law.bound > 1.0);
   CHECK(guided.work == law.guided + law.unguided);
@@ -37,6 +42,36 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
     CHECK(std::ranges::equal(guided.path.values(), alone.path.values()));
     CHECK(law.unguided == alone.work);
   }
+}
+
+/// Checks that a run that was stopped has drawn the first proposals of the whole run, at every level and beside the
+/// guided search.
+/// \return number of proposals of the stopped run
+inline std::uint64_t check_part(const RunRecord& part, const RunRecord& whole) {
+  // A split adds levels while it searches.
+  REQUIRE(part.levels.size() <= whole.levels.size());
+  std::uint64_t drawn = 0;
+  for (std::size_t i = 0; i < part.levels.size(); ++i) {
+    const Search& some = part.levels[i].search;
+    const Search& all = whole.levels[i].search;
+    CHECK(some.fates.size() == some.proposals.size());
+    drawn += some.proposals.size();
+    // The last proposals of level 0 are those of the planner beside it.
+    const std::uint64_t some_beside = i == 0 ? part.bounded.unguided_proposals : 0;
+    const std::uint64_t all_beside = i == 0 ? whole.bounded.unguided_proposals : 0;
+    const auto begins = [](const Search& search, std::size_t from, std::size_t size, const Search& longer,
+                           std::size_t longer_from, std::size_t longer_size) {
+      REQUIRE(size <= longer_size);
+      for (std::size_t k = 0; k < size; ++k) {
+        if (!std::ranges::equal(search.proposals[from + k], longer.proposals[longer_from + k])) return false;
+      }
+      return true;
+    };
+    const std::size_t own = some.proposals.size() - some_beside, all_own = all.proposals.size() - all_beside;
+    CHECK(begins(some, 0, own, all, 0, all_own));
+    CHECK(begins(some, own, some_beside, all, all_own, all_beside));
+  }
+  return drawn;
 }
 
 }  // namespace trellis::test

@@ -289,7 +289,7 @@ TEST_CASE("help lists the options of a function of the standard library, with it
   CHECK(default_of("strategies.parasol_irc", "goal_bias") == "0");
   CHECK(default_of("strategies.irc", "uniform") == "0.5");
   CHECK(default_of("rrt", "uniform") == "0.05");
-  CHECK(default_of("rrt", "bound") == "0.8");
+  CHECK(default_of("rrt", "bound") == "2");
   CHECK(default_of("strategies.dr_rrt", "drop") == "1000");
   CHECK(default_of("rrt", "checks") == "math.huge");
   CHECK(default_of("strategies.blend", "memory") == "0.98");

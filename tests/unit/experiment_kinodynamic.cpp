@@ -56,7 +56,7 @@ TEST_CASE("a driven path is recorded as its controls, which give its states to t
 TEST_CASE("a default planner that becomes kinodynamic keeps the options that its guide sets", "[kinodynamic]") {
   const Problem driven = test::driven(test::simple_passage_problem());
   const auto goals = [&](const std::vector<GuideSpec>& guides) {
-    const RunRecord run = execute(strategy(guides), driven, 1);
+    const RunRecord run = execute(strategy(guides), driven, 1, {.companion = false});
     const LevelRecord& level = run.levels.at(1);
     CHECK(level.planner == "kinodynamic_rrt");
     CHECK(level.search.proposals.size() > 50);

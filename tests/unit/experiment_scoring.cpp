@@ -561,13 +561,15 @@ TEST_CASE("an experiment is scored by progress, whether its runs find paths or n
 TEST_CASE("strategies with a guide taken out are scored beside the whole ones, and give no paths", "[scoring]") {
   Experiment experiment = open_experiment();
   experiment.problems = {test::point_problem(3)};
-  const StrategySpec whole = GuideSpec::make("lazy", {}) >> rrt(0.5);
+  // Without a companion, whose paths would be those of the plain planner.
+  const StrategySpec free = PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}});
+  const StrategySpec whole = GuideSpec::make("lazy", {}) >> free;
   experiment.strategies = {{"plain", rrt(0.5)}, {"guided", whole}};
   ablate(experiment, {"guided"});
   REQUIRE(experiment.strategies.size() == 3);
   CHECK(experiment.strategies[1].second == whole);
   const auto& [name, spec] = experiment.strategies[2];
-  CHECK(spec == GuideSpec::make("uniform", {}) >> rrt(0.5));
+  CHECK(spec == GuideSpec::make("uniform", {}) >> free);
   REQUIRE(experiment.ablations.size() == 1);
   CHECK(experiment.ablations.front().strategy == name);
   CHECK(experiment.ablations.front().of == "guided");

@@ -74,8 +74,8 @@ SCENARIO("register_planner refuses a planner that scripts could not use", "[plan
           add(with_common(named("own").number("step", &OwnSettings::step, "m", Range::at_least(1), "longest step"))),
           Contains("option 'step' of planner 'own' has a default that it does not accept: "));
       CHECK_THROWS_WITH(
-          add(with_common(named("own").integer("bound", &OwnSettings::tries, "", Range::at_least(1), "tries"))),
-          Contains("option 'bound' of planner 'own' is declared twice"));
+          add(with_common(named("own").integer("uniform", &OwnSettings::tries, "", Range::at_least(1), "tries"))),
+          Contains("option 'uniform' of planner 'own' is declared twice"));
       CHECK_THROWS_WITH(
           add(with_common(named("own").integer("my tries", &OwnSettings::tries, "", Range::at_least(1), "tries"))),
           Contains("option 'my tries' of planner 'own' has a name that is no identifier"));

@@ -12,6 +12,7 @@
 #include <trellis/strategy/ablation.hpp>
 #include <trellis/strategy/executor.hpp>
 
+#include "support/bounded_loss.hpp"
 #include "support/catch.hpp"
 #include "support/density.hpp"
 #include "support/random_specs.hpp"
@@ -402,12 +403,7 @@ TEST_CASE("a run with any combinator can be stopped at any proposal", "[combinat
         continue;
       }
       CHECK(drawn == at);
-      for (std::size_t i = 0; i < stopped.levels.size(); ++i) {
-        const auto part = stopped.levels[i].search.proposals.values();
-        const auto all = whole.levels[i].search.proposals.values();
-        REQUIRE(part.size() <= all.size());
-        CHECK(std::equal(part.begin(), part.end(), all.begin()));
-      }
+      test::check_part(stopped, whole);
     }
   }
 }

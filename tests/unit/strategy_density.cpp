@@ -242,8 +242,9 @@ TEST_CASE("the recorded density is that of every step", "[executor][density][slo
       ExecuteOptions options;
       options.watch = [&](const LevelRecord& level, const Guidance& h) {
         const DensityRecord now = test::record_of(h);
-        // What the halves of a split draw is drawn for the whole as well.
-        for (const LevelRecord* at = &first.levels[static_cast<std::size_t>(level.level)];;
+        // What the planner beside the guided search draws is in the record of level 0; what the halves of a split draw
+        // is drawn for the whole as well.
+        for (const LevelRecord* at = &first.levels[static_cast<std::size_t>(std::max(level.level, 0))];;
              at = &first.levels[static_cast<std::size_t>(at->parent)]) {
           Sums& mine = sums[at->key];
           mine.proposals += 1.0;

@@ -39,9 +39,17 @@ std::string to_string(const OptionValue& value) {
   return std::visit(Text{}, value);
 }
 
-bool Range::contains(double x) const { return (open_lo ? x > lo : x >= lo) && (open_hi ? x < hi : x <= hi); }
+bool Range::contains(double x) const {
+  if (or_zero && x == 0.0) return true;
+  return (open_lo ? x > lo : x >= lo) && (open_hi ? x < hi : x <= hi);
+}
 
 std::string Range::text() const {
+  if (or_zero) {
+    Range rest = *this;
+    rest.or_zero = false;
+    return rest.text() + ", or 0";
+  }
   const bool below = std::isfinite(lo);
   const bool above = std::isfinite(hi);
   if (below && above) return fmt::format("in {}{:g}, {:g}{}", open_lo ? '(' : '[', lo, hi, open_hi ? ')' : ']');

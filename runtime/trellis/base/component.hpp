@@ -29,6 +29,7 @@ struct Range {
   double hi = std::numeric_limits<double>::infinity();
   bool open_lo = false;
   bool open_hi = false;
+  bool or_zero = false;  ///< contains 0, too
 
   [[nodiscard]] bool contains(double x) const;
   /// Describes the range: "in (0, 1]", "greater than 0", "any finite number".
@@ -39,6 +40,7 @@ struct Range {
   static Range non_negative() { return {.lo = 0}; }
   static Range share() { return {.lo = 0, .hi = 1}; }
   static Range at_least(double lo) { return {.lo = lo}; }
+  static Range zero_or_above(double lo) { return {.lo = lo, .open_lo = true, .or_zero = true}; }
 };
 
 /// One option of a component. Validation, messages, help, stubs and the reference use this one description.

@@ -266,6 +266,9 @@ class Runner {
                                   .interrupted = [this] { return interrupted(); },
                                   .lift = experiment_.measure.has_value()});
         if (run.run.status == Status::interrupted) throw Interrupted();
+        if (cell.seed == experiment_.seeds.front()) {
+          check_unused_guides(cell.strategy.second, cell.problem, run.run);
+        }
         if (store_ != nullptr) store_->planned(run);
         if (!experiment_.measure) release(run);
         result_.runs[index] = std::move(run);

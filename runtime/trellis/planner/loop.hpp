@@ -51,18 +51,16 @@ Settings<S> with_common(Settings<S> settings) {
   settings.number("uniform", &S::uniform, "share of proposals", Range::share(),
                   "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
                   "completeness rests on the guide alone");
-  settings.number(
-      "bound", &S::bound, "factor", Range::non_negative(),
-      "at the root, more than 1: the work of a guided run is at most so many times that of this planner "
-      "without guides on the same seed, 800, and one step: the planner runs beside its guided search, and "
-      "the first path wins. Work is validity checks, proposals, searches of graphs and set-up, in checks. At "
-      "most 1, or below the root (0.8 (bound - 1) where it is more): work of guided proposals and of the "
-      "levels below, per work of unguided proposals, beyond what a path costs to check and what progress "
-      "along a guiding path earns. 0: without bound");
-  settings.number(
-      "queries", &S::queries, "runs", Range::at_least(1),
-      "where a bound of more than 1 holds at the root: runs in this world that share what is set up for the "
-      "world alone, as its medial axis; a run counts one part of that work. 1 for a single query");
+  settings.number("bound", &S::bound, "factor", Range::zero_or_above(1.0),
+                  "of a guided planner at the root: the work of a run is at most so many times that of this planner "
+                  "without guides on the same seed, 800, and one step: the planner runs beside its guided search, and "
+                  "the first path wins. Work is validity checks, proposals, searches of graphs and set-up, in checks. "
+                  "Below the root: 0.8 (bound - 1) is the work of guided proposals and of the levels below, per work "
+                  "of unguided proposals, beyond what a path costs to check and what progress along a guiding path "
+                  "earns. 0: without bound");
+  settings.number("queries", &S::queries, "runs", Range::at_least(1),
+                  "of a guided planner at the root with a bound: runs in this world that share what is set up for the "
+                  "world alone, as its medial axis; a run counts one part of that work. 1 for a single query");
   // Nodes have 32-bit numbers.
   settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");

@@ -147,10 +147,10 @@ struct PlannerCommon {
   double uniform = 0.05;    ///< share of uniform proposals of a guided level
   double goal_bias = 0.05;  ///< share of proposals that are the goal
   double step = 0.0;        ///< longest extension of a tree, in metres in the metric; 0: the planner has none
-  /// More than 1, at the root: limit of the work of a guided run, per work of the same planner without guides. At most
-  /// 1, or below the root: limit of the work of guided proposals and of the levels below, per work of unguided
-  /// proposals, beyond an initial grant and the work that progress earns. 0: no limit.
-  double bound = 0.8;
+  /// More than 1. At the root: limit of the work of a guided run, per work of the same planner without guides. Below:
+  /// 0.8 (bound - 1) limits the work of guided proposals and of the levels below, per work of unguided proposals,
+  /// beyond an initial grant and the work that progress earns. 0: no limit.
+  double bound = 2.0;
   double queries = 1000.0;  ///< runs in one world that share what is set up for it
 };
 

@@ -195,11 +195,9 @@ std::string bound_text(const LevelExplanation& level) {
         marked(level, "bound", level.common.bound), level.planner.name(), companion_constant);
   }
   return fmt::format(
-      "proposals from h{} cost at most {} times the work of the other proposals, beyond a grant of {:.0f} and what "
-      "progress along a guiding path earns; work is validity checks and proposals",
-      level.below.empty() ? "" : " and the searches of " + levels_text(level.below),
-      level.common.bound > 1.0 ? fmt::format("0.8 (bound - 1) = {:g}", 0.8 * (level.common.bound - 1.0))
-                               : marked(level, "bound", level.common.bound),
+      "proposals from h{} cost at most 0.8 (bound - 1) = {:g} times the work of the other proposals, beyond a grant of "
+      "{:.0f} and what progress along a guiding path earns",
+      level.below.empty() ? "" : " and the searches of " + levels_text(level.below), 0.8 * (level.common.bound - 1.0),
       level.grant);
 }
 

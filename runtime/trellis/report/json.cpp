@@ -478,6 +478,16 @@ Json verdict_json(const std::vector<Verdict>& found, std::size_t level) {
           {"left_out", verdict.left_out ? paired_json(*verdict.left_out) : Json(nullptr)}};
 }
 
+/// What the planner without guides did beside the guided searches; null where it ran beside none.
+Json beside_json(const BesideSummary& beside) {
+  if (beside.runs == 0) return nullptr;
+  return {{"runs", beside.runs},
+          {"unguided_share", number(beside.unguided_share)},
+          {"unguided_won", beside.unguided_won},
+          {"not_set_up", beside.not_set_up},
+          {"no_guided_proposal", beside.no_guided}};
+}
+
 /// \param found     the verdicts on its levels
 /// \param unsolved  why runs found no path
 Json summary_json(const RunsSummary& summary, const Json& problem, const std::string& strategy,
@@ -543,6 +553,7 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
         {"motion_checks", number(summary.spent_motion_checks)},
         {"time_s", number(summary.spent_seconds)}}},
       {"length", interval_json(summary.length)},
+      {"bounded_loss", beside_json(summary.beside)},
       {"levels", std::move(levels)},
       {"waterfall",
        {{"tree", waterfall_json(summary.tree_waterfall)}, {"expansion", waterfall_json(summary.expansion_waterfall)}}}};

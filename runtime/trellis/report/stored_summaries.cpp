@@ -159,6 +159,14 @@ RunsSummary summary_of(const Json& json) {
   summary.spent_motion_checks = number(all.at("motion_checks"));
   summary.spent_seconds = number(all.at("time_s"));
   summary.length = interval(json.at("length"));
+  // Missing in documents of before.
+  if (const auto law = json.find("bounded_loss"); law != json.end() && law->is_object()) {
+    summary.beside = {.runs = law->at("runs").get<std::size_t>(),
+                      .unguided_share = number(law->at("unguided_share")),
+                      .unguided_won = law->at("unguided_won").get<std::size_t>(),
+                      .not_set_up = law->at("not_set_up").get<std::size_t>(),
+                      .no_guided = law->at("no_guided_proposal").get<std::size_t>()};
+  }
   for (const Json& level : json.at("levels")) summary.levels.push_back(level_of(level));
   summary.tree_waterfall = waterfall(json.at("waterfall").at("tree"));
   summary.expansion_waterfall = waterfall(json.at("waterfall").at("expansion"));

@@ -10,6 +10,7 @@
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
 #include <trellis/strategy/scale.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -211,6 +212,13 @@ void check(const StrategySpec& strategy, const Problem& problem) {
   run.problem = problem.name;
   Level root(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr);
   if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());
+  for (Level* level : run.levels) level->try_planner();
+}
+
+void check_unused_guides(const StrategySpec& strategy, const Problem& problem, const RunRecord& run) {
+  if (strategy.guide() == nullptr || run.bounded.bound == 0.0 || run.bounded.guides_set_up) return;
+  constexpr double most = 3e6;  // validity checks
+  if (set_up_work(*strategy.guide(), *problem.scene, 1.0) <= most) check(strategy, problem);
 }
 
 std::vector<std::string> unreachable_guides(const StrategySpec& strategy) {

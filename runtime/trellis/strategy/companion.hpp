@@ -7,12 +7,12 @@
 
 namespace trellis {
 
-/// The planner of a guided strategy without its guides, on the stream that it has when it runs alone: its proposals and
-/// checks are those of the unguided strategy. It runs beside the guided search.
+/// The planner of a guided strategy without its guides and sub-goals, on the stream that it has when it runs alone: its
+/// proposals and checks are those of the unguided strategy. It runs beside the guided search.
 class Companion {
  public:
   Companion(const StrategySpec& strategy, const Problem& problem, const Run& beside)
-      : search_(begun(run_, beside), StrategySpec(strategy.planner()), problem) {}
+      : search_(begun(run_, beside), StrategySpec(undivided(strategy.planner())), problem) {}
 
   /// Takes steps until its work reaches `work`, or until it ends.
   /// \param clock  of the guided search, which stops meanwhile
@@ -29,6 +29,9 @@ class Companion {
   [[nodiscard]] Run& run() { return run_; }
 
  private:
+  static PlannerSpec undivided(const PlannerSpec& planner) {
+    return planner.dividing() != nullptr ? undivided(planner.undivided()) : planner;
+  }
   static Run& begun(Run& run, const Run& beside) {
     run.problem = beside.problem;
     run.seed = beside.seed;

@@ -79,10 +79,10 @@ class Running {
     root_->level().guidance().report_paths([this](double length) { note_improvement(run_, length); });
     if (strategy.guide() == nullptr) return;
     const PlannerCommon& common = root_->level().common();
-    bound_ = common.bound;
+    bound_ = options.companion ? common.bound : 0.0;
     run_.queries = common.queries;
     guides_ = strategy.guide();
-    if (bound_ > 1.0) {
+    if (bound_ > 0.0) {
       set_up_ = set_up_work(*guides_, *problem.scene, common.queries);
       root_->level().rely_on_companion();
       companion_.emplace(strategy, problem, run_);
@@ -140,7 +140,10 @@ class Running {
     add_spent_below(record.levels);
     // The root's solution is the reported path.
     LevelRecord& root = record.levels.front();
-    if (companion_decides_) root.solution = companion_->search().level().solution();
+    if (companion_decides_) {
+      root.solution = companion_->search().level().solution();
+      root.goal = companion_->search().level().record().goal;
+    }
     if (record.solved) root.solution.path = record.path;
     record.improvements = companion_decides_ ? companion_->run().improvements : run_.improvements;
     return record;

@@ -160,9 +160,12 @@ struct RunRecord {
 struct ExecuteOptions {
   std::int64_t shortcut = 0;               ///< rounds of shortcutting of the path; ignored for kinodynamic planning
   std::function<bool()> interrupted = {};  ///< polled between proposals; if true, the run ends with Status::interrupted
-  /// Called after each proposal and before its outcome, with the level and its current guidance.
+  /// Called after each proposal and before its outcome, with the level and its current guidance. The level of the
+  /// planner that runs beside a guided search has the number -1.
   std::function<void(const LevelRecord& level, const Guidance& h)> watch = {};
   bool lift = true;  ///< whether records of lower levels get their nodes and proposals in the root's space
+  /// False: no unguided planner runs beside a guided search, whatever `bound` says, and guides are set up at once.
+  bool companion = true;
 };
 
 /// Checks a problem: coordinates finite, of the right number and inside the space; start and goal valid.
@@ -170,8 +173,12 @@ struct ExecuteOptions {
 void check(const Problem& problem);
 
 /// Makes the levels of a strategy for a problem without a search.
-/// \throws Error if a guide cannot make its space, as `execute` does
+/// \throws Error if a guide cannot make its space, as `execute` does when it sets up the guides
 void check(const StrategySpec& strategy, const Problem& problem);
+/// The same after a run whose guides were not set up, because its planner solved the problem before: what a guide
+/// cannot do is an error all the same. Does nothing where the set-up would take more than about 0.2 s.
+/// \param run  of this strategy and problem
+void check_unused_guides(const StrategySpec& strategy, const Problem& problem, const RunRecord& run);
 
 /// The guides of a strategy that can never draw a proposal, for any problem: the planner above leaves them no share, or
 /// its budget ends before their turn.
@@ -179,7 +186,7 @@ void check(const StrategySpec& strategy, const Problem& problem);
 std::vector<std::string> unreachable_guides(const StrategySpec& strategy);
 
 /// Runs a strategy on a problem. Deterministic in (strategy, problem, seed), except for times.
-/// \throws Error for a problem that fails `check`
+/// \throws Error for a problem that fails `check`, or if a guide that it sets up cannot make its space
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options = {});
 

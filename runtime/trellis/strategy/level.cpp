@@ -71,7 +71,8 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
 }
 
 double Level::own_work() const {
-  return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size());
+  return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
+         instance_->checks.other;
 }
 
 double Level::work() const {
@@ -148,8 +149,8 @@ void Level::begin_solve(double proposals, const Slice& slice) {
                             if (run_.before_step && run_.before_step()) return Status::interrupted;
                             guidance_.prepare();
                             // The run may have ended while the levels below were searched.
-                            if (run_.interrupted && run_.interrupted()) return Status::interrupted;
                             if (run_.before_step && run_.before_step()) return Status::interrupted;
+                            if (run_.interrupted && run_.interrupted()) return Status::interrupted;
                             const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
                             return pauses ? std::optional(Status::paused) : std::nullopt;
                           },

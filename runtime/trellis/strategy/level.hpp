@@ -74,7 +74,7 @@ struct Run {
 /// The guidance of a level's planner: goal bias, uniform sampling, the guide, and a path received from another space.
 ///
 /// Without a companion it divides the work between guided and unguided proposals. Work is the number of validity checks
-/// and proposals. The work of guided proposals and of all levels below is at
+/// and proposals, and what searches of graphs do besides. The work of guided proposals and of all levels below is at
 /// most `guided_share` times the work of unguided proposals, beyond a grant and beyond the work earned by progress
 /// along guiding paths. Of the work below, a part of the checks that progress there required is deducted. If this limit
 /// is reached, or if the guide's space is still being searched, the planner draws unguided proposals. A companion (at
@@ -200,9 +200,7 @@ class LevelGuidance final : public Guidance {
   /// The unguided work of this level is that of a companion: the guide draws whenever it can.
   void rely_on_companion() { has_companion_ = true; }
   /// Work of guided proposals and of the levels below, per work of unguided proposals.
-  [[nodiscard]] double guided_share() const {
-    return common_.bound > 1.0 ? guided_rate * (common_.bound - 1.0) : common_.bound;
-  }
+  [[nodiscard]] double guided_share() const { return guided_rate * (common_.bound - 1.0); }
   /// Limits the work of the levels below in the current slice: they pause when `left` returns 0.
   void limit_slice(std::function<double()> left) { slice_left_ = std::move(left); }
   /// Work that the guide may spend initially.
@@ -215,7 +213,8 @@ class LevelGuidance final : public Guidance {
   struct Spent {
     double checks = 0.0;
     double proposals = 0.0;
-    [[nodiscard]] double work() const { return checks + proposals; }
+    double other = 0.0;
+    [[nodiscard]] double work() const { return checks + proposals + other; }
   };
   struct BothSpent {
     Spent guided;  ///< includes the validation of guiding paths
@@ -230,7 +229,7 @@ class LevelGuidance final : public Guidance {
  private:
   enum class Part : std::uint8_t { goal, uniform, informed, guide };
   static constexpr double informed_share = 0.5;
-  /// With a bound of 2, a level below the root divides its work as with the default bound.
+  /// Of the guided share, below the root: with a bound of 2 the guided work is 0.8 of the unguided.
   static constexpr double guided_rate = 0.8;
   /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
   /// the minimum of any planner.
@@ -273,7 +272,8 @@ class LevelGuidance final : public Guidance {
     return static_cast<Source>(3 + guide_->sample(stream, out));
   }
   [[nodiscard]] Spent own() const {
-    return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size())};
+    return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size()),
+            instance_.checks.other};
   }
   /// Charges the work since `counted_` to the kind of the last proposal.
   void charge(BothSpent& both) const {
@@ -281,6 +281,7 @@ class LevelGuidance final : public Guidance {
     Spent& side = drawn_ == Part::guide || drawn_ == Part::informed ? both.guided : both.unguided;
     side.checks += now.checks - counted_.checks;
     side.proposals += now.proposals - counted_.proposals;
+    side.other += now.other - counted_.other;
   }
 
   /// The probability of each part in `sample`.
@@ -374,19 +375,22 @@ class Level {
     advance(proposals, {});
     return record_.solution;
   }
+  /// Makes a planner for nothing.
+  /// \throws Error if its options do not suit the instance, as `solve` does
+  void try_planner() { static_cast<void>(make_planner()); }
   /// A solve of the root, step by step: begins it, and takes a step of it.
   void begin_root_solve();
   /// \return whether the solve ended
   bool step_root_solve();
   /// As `solve`, but within a slice. A search that the slice ends is unfinished; the next call continues it.
   Advance advance(double proposals, const Slice& slice);
-  /// Validity checks and proposals of this level.
+  /// Work of this level, in validity checks: checks, proposals, and what searches of graphs do besides.
   [[nodiscard]] double own_work() const;
-  /// The same with what searches of graphs do besides, without proposals that its search has from other levels.
-  [[nodiscard]] double spent() const { return own_work() + instance_->checks.other - absorbed_; }
+  /// The same without proposals that its search has from other levels.
+  [[nodiscard]] double spent() const { return own_work() - absorbed_; }
   /// Called when its search has received the proposals of a half.
   void note_absorbed(std::size_t proposals) { absorbed_ += static_cast<double>(proposals); }
-  /// Validity checks and proposals of this level and all below it, less what is deducted for progress.
+  /// Work of this level and all below it, less what is deducted for progress.
   [[nodiscard]] double work() const;
   /// Replaces the instance by a new projection of the parent's. The search keeps its valid part.
   void replace_instance(std::unique_ptr<Instance> instance);

@@ -78,6 +78,7 @@ struct Trial::State {
         RunResult run =
             run_cell(setup.name, setup.strategy, setup.problem, setup.seeds[i], {setup.shortcut, interrupted, {}});
         if (run.run.status == Status::interrupted) throw Interrupted();
+        if (i == 0) check_unused_guides(setup.strategy, setup.problem, run.run);
         made_now[i] = std::move(run);
       } catch (...) {
         stop.store(true);
