@@ -282,7 +282,8 @@ TEST_CASE("a library of another robot has no path to guide by") {
   place.script("solve.lua", solve);
   REQUIRE(place.run({"run", "solve.lua", "--quiet", "--learn", "paths.db"}).status == 0);
   place.script("other.lua",
-               "return experience { db = 'paths.db' } >> rrt { bound = 0 }, problem { world = world { bounds = {0, 0, 10, 10} }, "
+               "return experience { db = 'paths.db' } >> rrt { bound = 0 }, problem { world = world { bounds = {0, 0, "
+               "10, 10} }, "
                "robot = robot.point(), start = {1, 1}, goal = {9, 9} }\n");
   const Outcome outcome = place.run({"run", "other.lua", "--quiet", "--json", "all.json"});
   INFO(outcome.err);

@@ -36,8 +36,7 @@ inline Problem slot_problem() {
 
 /// The slot with a strategy without guides and one with two levels of guides, unscored.
 inline Experiment slot_experiment() {
-  const PlannerSpec planner =
-      PlannerSpec::make("rrt_connect", {{"step", 1.0}, {"proposals", 20000.0}, {"bound", 0.0}});
+  const PlannerSpec planner = PlannerSpec::make("rrt_connect", {{"step", 1.0}, {"proposals", 20000.0}, {"bound", 0.0}});
   Experiment experiment;
   experiment.problems = {slot_problem()};
   experiment.strategies = {

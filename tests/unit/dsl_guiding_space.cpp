@@ -105,7 +105,8 @@ TEST_CASE("shrink written in Lua does what the built-in does, sample by sample")
   const double resolution = load(script("local g = " + half, "g >> rrt {}")).experiment.problems.front().resolution;
   const std::string theirs = "shrink { 0.5, resolution = " + std::to_string(resolution) + ", resolves = 0, follow = '";
   for (const std::string follow : {"tube", "waypoints"}) {
-    for (const std::string strategy : {"g >> rrt { bound = 0 }", "g >> rrt { bound = 0, uniform = 0.5 }", "g >> rrt_connect { bound = 0 }"}) {
+    for (const std::string strategy :
+         {"g >> rrt { bound = 0 }", "g >> rrt { bound = 0, uniform = 0.5 }", "g >> rrt_connect { bound = 0 }"}) {
       for (const std::uint64_t seed : {1U, 2U, 3U}) {
         INFO("follow " << follow << ", " << strategy << ", seed " << seed);
         const RunRecord own = run_of(mine + follow + "' }) end }", strategy, seed);

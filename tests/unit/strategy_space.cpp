@@ -41,7 +41,9 @@ Problem slot() {
 }
 
 /// Without a companion: the guides are set up in every run.
-PlannerSpec planner() { return PlannerSpec::make("rrt_connect", {{"step", 1.0}, {"proposals", 20000.0}, {"bound", 0.0}}); }
+PlannerSpec planner() {
+  return PlannerSpec::make("rrt_connect", {{"step", 1.0}, {"proposals", 20000.0}, {"bound", 0.0}});
+}
 
 void check_path(const Problem& problem, const Configurations& path) {
   const auto fine = make_checker("fcl_plain", problem.scene, problem.space, 0.25 * problem.resolution);

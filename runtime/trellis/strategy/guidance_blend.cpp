@@ -22,23 +22,44 @@ class BlendGuidance final : public PartsGuidance {
                                               : Rule::rates),
         credits_nodes_(settings.credit == "node"),
         arms_(parts_.size()),
+        ready_(parts_.size(), 1),
         served_(rule_ == Rule::efficiency ? parts_.size() : 0),
         nearest_to_goal_(instance.to_goal(instance.start)),
         nearest_to_start_(nearest_to_goal_) {}
-  Advance prepare(const Slice& slice) override { return prepare_all(slice); }
+  /// While the space of a part is searched, the other parts share its weight.
+  Advance prepare(const Slice& slice) override {
+    Advance best = Advance::nothing;
+    bool any = false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Advance advance = parts_[i]->prepare(slice);
+      if (advance == Advance::found) best = advance;
+      const char ready = advance != Advance::unfinished ? 1 : 0;
+      any = any || ready != 0;
+      if (ready != ready_[i]) ++changes_;
+      ready_[i] = ready;
+    }
+    return any ? best : Advance::unfinished;
+  }
+  [[nodiscard]] bool draws_while_searching() const override { return true; }
   Source sample(Stream& stream, MutableView out) override {
     const double total = total_weight();
     double u = stream.uniform();
     drawn_ = 0;
     while (drawn_ + 1 < parts_.size() && u >= share(drawn_, total)) u -= share(drawn_++, total);
+    // Rounding may select a part that cannot draw.
+    while (ready_[drawn_] == 0) --drawn_;
     const Source source = draw(stream, out);
-    for (std::size_t i = 0; i < served_.size(); ++i) served_[i].served(*parts_[i]);
+    for (std::size_t i = 0; i < served_.size(); ++i) {
+      if (ready_[i] != 0) served_[i].served(*parts_[i]);
+    }
     return source;
   }
   [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double of) const override {
     const double total = total_weight();
-    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->record(record, of * share(i, total));
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (ready_[i] != 0) parts_[i]->record(record, of * share(i, total));
+    }
   }
   void observe(const Outcome& outcome, bool mine) override {
     switch (rule_) {
@@ -78,13 +99,16 @@ class BlendGuidance final : public PartsGuidance {
   [[nodiscard]] static double weight(const Arm& arm) { return arm.successes / arm.attempts; }
   [[nodiscard]] double total_weight() const {
     double total = 0.0;
-    for (const auto& arm : arms_) total += weight(arm);
+    for (std::size_t i = 0; i < arms_.size(); ++i) total += ready_[i] != 0 ? weight(arms_[i]) : 0.0;
     return total;
   }
+  /// Number of parts that can draw.
+  [[nodiscard]] double ready() const { return static_cast<double>(std::count(ready_.begin(), ready_.end(), 1)); }
   /// The probability that part i draws the next proposal.
-  /// \param total  sum of the weights of all parts
+  /// \param total  sum of the weights of all parts that can draw
   [[nodiscard]] double share(std::size_t i, double total) const {
-    const double even = 1.0 / static_cast<double>(arms_.size());
+    if (ready_[i] == 0) return 0.0;
+    const double even = 1.0 / ready();
     const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
     return settings_.floor * even + (1.0 - settings_.floor) * follow;
   }
@@ -102,8 +126,7 @@ class BlendGuidance final : public PartsGuidance {
   }
   /// Updates the weight of the part that drew, by exp3.
   void reward(double r) {
-    const auto n = static_cast<double>(arms_.size());
-    arms_[drawn_].successes *= std::exp(settings_.floor * r / (n * share(drawn_, total_weight())));
+    arms_[drawn_].successes *= std::exp(settings_.floor * r / (ready() * share(drawn_, total_weight())));
     // Only the ratios matter; the normalisation avoids overflow.
     double most = 0.0;
     for (const auto& arm : arms_) most = std::max(most, arm.successes);
@@ -140,7 +163,7 @@ class BlendGuidance final : public PartsGuidance {
       for (double& r : responsible) r /= sum;
     }
     for (std::size_t i = 0; i < arms_.size(); ++i) {
-      arms_[i].successes = settings_.decay * arms_[i].successes + responsible[i];
+      if (ready_[i] != 0) arms_[i].successes = settings_.decay * arms_[i].successes + responsible[i];
     }
     ++changes_;
   }
@@ -150,6 +173,7 @@ class BlendGuidance final : public PartsGuidance {
   Rule rule_;
   bool credits_nodes_;  ///< each node earns the same
   std::vector<Arm> arms_;
+  std::vector<char> ready_;            ///< whether a part can draw: its space is not being searched
   std::vector<DensityRecord> served_;  ///< density of each part over all proposals; for efficiency only
   double longest_ = 0.0;               ///< longest extension so far
   std::uint64_t changes_ = 0;          ///< number of changes of the weights

@@ -37,6 +37,7 @@ class MixtureGuidance final : public PartsGuidance {
     }
     return best;
   }
+  [[nodiscard]] bool draws_while_searching() const override { return true; }
   Source sample(Stream& stream, MutableView out) override {
     double u = stream.uniform();
     drawn_ = 0;

@@ -120,7 +120,11 @@ class LevelGuidance final : public Guidance {
       Slice slice;
       if (divides) slice.work = std::max(left_, least_slice);
       if (slice_left_) slice.work = std::min(slice.work, slice_left_());
-      open_ = guide_->prepare(slice) != Advance::unfinished;
+      if (has_companion_ && guide_->draws_while_searching()) slice.work = std::min(slice.work, least_slice);
+      Advance advance = guide_->prepare(slice);
+      // The companion draws the planner's own proposals.
+      while (has_companion_ && advance == Advance::unfinished) advance = guide_->prepare(slice);
+      open_ = advance != Advance::unfinished;
       // A permanently refuted guide draws no more proposals.
       if (common_.bound > 0.0 && guide_->spent()) open_ = false;
       // The guide pays for checks in this level's instance, as those that validate a path's points.

@@ -50,6 +50,8 @@ class SearchedGuidance : public Guidance {
     static_cast<void>(slice);
     return Advance::found;
   }
+  /// Whether parts of it draw while the space of another part is searched.
+  [[nodiscard]] virtual bool draws_while_searching() const { return false; }
   /// Work of all levels below, less what is deducted for their progress.
   [[nodiscard]] virtual double work() const { return 0.0; }
   /// How often h was refuted; with several searching parts, the minimum over them.
