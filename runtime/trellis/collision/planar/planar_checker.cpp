@@ -338,12 +338,26 @@ class PlanarChecker final : public Checker {
     std::size_t begin;
     std::size_t end;
   };
-  /// A part of the robot and one of `near_obstacles_`, or the boundary.
+  /// A part of the robot and one of the obstacles near the motion, or the boundary.
   struct NearPair {
     static constexpr std::size_t boundary = std::numeric_limits<std::size_t>::max();
     std::size_t part;
     std::size_t obstacle;
     Box2 box;  ///< of the obstacle or boundary
+  };
+  /// What a motion with turns is certified in. Each thread has one and keeps its memory: a certificate of a short path
+  /// takes less time than the allocations.
+  struct TurnMemory {
+    std::vector<MovingConvex> moving;    ///< the robot's parts on an interval, and others behind them
+    std::vector<Box2> boxes;             ///< around these parts
+    std::vector<Convex> near_obstacles;  ///< of the motion, and others behind them
+    std::vector<OpenInterval> open;      ///< a stack
+    std::vector<NearPair> near_pairs;    ///< of the open intervals, in ranges
+
+    static TurnMemory& of_thread() {
+      thread_local TurnMemory memory;
+      return memory;
+    }
   };
 
   /// The distances on a motion: inflated pieces decide eight configurations in a step, exact distances the others.
@@ -509,9 +523,12 @@ class PlanarChecker final : public Checker {
     if (convex_parts_.size() != parts.size()) {
       convex_parts_.resize(parts.size());
       for (std::size_t i = 0; i < parts.size(); ++i) write_convex(parts[i], convex_parts_[i]);
-      moving_.resize(parts.size());
-      moving_boxes_.resize(parts.size());
     }
+    TurnMemory& memory = TurnMemory::of_thread();
+    memory.moving.resize(std::max(memory.moving.size(), parts.size()));
+    memory.boxes.resize(parts.size());
+    auto& near_pairs = memory.near_pairs;
+    auto& open = memory.open;
     const double displacement =
         norm(Vec2{line_.difference_x, line_.difference_y}) + std::abs(line_.turn) * robot_.bounding_radius();
     double nearest = certificate.nearest;
@@ -519,29 +536,29 @@ class PlanarChecker final : public Checker {
     std::uint64_t checks = 0;
     constexpr std::uint64_t most = 1U << 20U;
     // Depth first: what an interval leaves undecided its halves decide, and nothing else.
-    near_pairs_.clear();
-    open_.assign(1, {0.5, 0.5, 0, 0});
-    for (bool first = true; !open_.empty(); first = false) {
-      const OpenInterval at = open_.back();
-      open_.pop_back();
+    near_pairs.clear();
+    open.assign(1, {0.5, 0.5, 0, 0});
+    for (bool first = true; !open.empty(); first = false) {
+      const OpenInterval at = open.back();
+      open.pop_back();
       if (++checks > most) return false;
-      place_parts(at);
-      if (first) find_near_pairs(enough());
-      const std::size_t end = first ? near_pairs_.size() : at.end;
-      near_pairs_.resize(end);
+      place_parts(at, memory);
+      if (first) find_near_pairs(enough(), memory);
+      const std::size_t end = first ? near_pairs.size() : at.end;
+      near_pairs.resize(end);
       for (std::size_t i = at.begin; i < end; ++i) {
-        const NearPair pair = near_pairs_[i];
-        if (box_gap(pair) > enough()) continue;
-        const MovingConvex::Gap gap = gap_of(pair);
+        const NearPair pair = near_pairs[i];
+        if (box_gap(pair, memory) > enough()) continue;
+        const MovingConvex::Gap gap = gap_of(pair, memory);
         if (gap.middle <= slack_) return false;
         nearest = std::min(nearest, gap.middle);
-        if (gap.throughout <= enough()) near_pairs_.push_back(pair);
+        if (gap.throughout <= enough()) near_pairs.push_back(pair);
       }
-      if (near_pairs_.size() == end) continue;
+      if (near_pairs.size() == end) continue;
       const double half = 0.5 * at.half;
       if (half * displacement <= certificate.tolerance) return false;
       for (const double middle : {at.middle - half, at.middle + half}) {
-        open_.push_back({middle, half, end, near_pairs_.size()});
+        open.push_back({middle, half, end, near_pairs.size()});
       }
     }
     certificate.checks += checks;
@@ -551,52 +568,52 @@ class PlanarChecker final : public Checker {
   }
 
   /// Places the robot's parts on an interval of the line.
-  void place_parts(const OpenInterval& at) const {
+  void place_parts(const OpenInterval& at, TurnMemory& memory) const {
     const double angle = line_.turns ? line_.angle + at.middle * line_.turn : 0.0;
     const Pose2 middle{line_.x + at.middle * line_.difference_x + line_.joint_x,
                        line_.y + at.middle * line_.difference_y + line_.joint_y, std::cos(angle), std::sin(angle)};
     const Vec2 translation = at.half * Vec2{line_.difference_x, line_.difference_y};
     const double turn = line_.turns ? at.half * line_.turn : 0.0;
-    for (std::size_t i = 0; i < moving_.size(); ++i) {
-      moving_[i].set(convex_parts_[i], middle, translation, turn);
-      moving_boxes_[i] = moving_[i].box();
+    for (std::size_t i = 0; i < convex_parts_.size(); ++i) {
+      memory.moving[i].set(convex_parts_[i], middle, translation, turn);
+      memory.boxes[i] = memory.moving[i].box();
     }
   }
 
   /// Finds what the placed parts may come closer to than `by`.
-  void find_near_pairs(double by) const {
+  void find_near_pairs(double by, TurnMemory& memory) const {
     const Box2& bounds = scene_->world.bounds();
     std::size_t found = 0;
-    for (std::size_t part = 0; part < moving_.size(); ++part) {
-      const Box2& box = moving_boxes_[part];
-      if (margin_inside(box, bounds) <= by) near_pairs_.push_back({part, NearPair::boundary, bounds});
+    for (std::size_t part = 0; part < memory.boxes.size(); ++part) {
+      const Box2& box = memory.boxes[part];
+      if (margin_inside(box, bounds) <= by) memory.near_pairs.push_back({part, NearPair::boundary, bounds});
       const unsigned count =
           index_.query({box.lo.x - by, box.hi.x + by, box.lo.y - by, box.hi.y + by}, candidates_.data());
       for (unsigned k = 0; k < count; ++k) {
         const Piece& o = obstacles_[candidates_[k]];
         if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) > by) continue;
-        if (found == near_obstacles_.size()) near_obstacles_.emplace_back();
+        if (found == memory.near_obstacles.size()) memory.near_obstacles.emplace_back();
         const ConvexShape& shape = scene_->world.parts()[candidates_[k]].shape;
         if (o.kind == Kind::rectangle) {
-          write_convex(bounding_box(shape), near_obstacles_[found]);
+          write_convex(bounding_box(shape), memory.near_obstacles[found]);
         } else {
-          write_convex(shape, near_obstacles_[found]);
+          write_convex(shape, memory.near_obstacles[found]);
         }
-        near_pairs_.push_back({part, found++, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}});
+        memory.near_pairs.push_back({part, found++, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}});
       }
     }
   }
 
   /// Returns a lower bound on the distance of a pair on the interval of the placed parts: that of their boxes.
-  [[nodiscard]] double box_gap(const NearPair& pair) const {
-    const Box2& box = moving_boxes_[pair.part];
+  [[nodiscard]] static double box_gap(const NearPair& pair, const TurnMemory& memory) {
+    const Box2& box = memory.boxes[pair.part];
     return pair.obstacle == NearPair::boundary ? margin_inside(box, pair.box) : box_distance(box, pair.box);
   }
 
-  [[nodiscard]] MovingConvex::Gap gap_of(const NearPair& pair) const {
-    const MovingConvex& part = moving_[pair.part];
-    if (pair.obstacle == NearPair::boundary) return {margin_inside(part.middle_box(), pair.box), box_gap(pair)};
-    return part.gap(near_obstacles_[pair.obstacle]);
+  [[nodiscard]] static MovingConvex::Gap gap_of(const NearPair& pair, const TurnMemory& memory) {
+    const MovingConvex& part = memory.moving[pair.part];
+    if (pair.obstacle == NearPair::boundary) return {margin_inside(part.middle_box(), pair.box), box_gap(pair, memory)};
+    return part.gap(memory.near_obstacles[pair.obstacle]);
   }
 
   static Box2 swept_box_of(const ConvexShape& shape, Vec2 along) {
@@ -939,14 +956,9 @@ class PlanarChecker final : public Checker {
   mutable Pieces wide_;                       ///< the robot's pieces, inflated
   mutable Clearances clearances_;             ///< on the motion that is certified
   mutable std::vector<Convex> convex_parts_;  ///< of the robot's only body, in its frame; empty before their first use
-  mutable std::vector<MovingConvex> moving_;  ///< the same on an interval
-  mutable std::vector<Box2> moving_boxes_;    ///< around them
-  mutable std::vector<Convex> near_obstacles_;  ///< of the motion that is certified; its memory is kept
-  mutable std::vector<OpenInterval> open_;      ///< a stack
-  mutable std::vector<NearPair> near_pairs_;    ///< of the open intervals, in ranges
-  mutable std::vector<Box> hulls_;              ///< of the pieces, where there are pairs
-  mutable kernel::Poses seen_{};                ///< a body in another body's frame
-  mutable std::vector<double> rates_;           ///< metres that points move per radian of each axis
+  mutable std::vector<Box> hulls_;            ///< of the pieces, where there are pairs
+  mutable kernel::Poses seen_{};              ///< a body in another body's frame
+  mutable std::vector<double> rates_;         ///< metres that points move per radian of each axis
 };
 
 }  // namespace
