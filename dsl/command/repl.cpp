@@ -62,6 +62,7 @@ int repl(const std::string& script, const ScriptOptions& options) {
   if (lines.interactive()) {
     patient.emplace();
     print_all(fmt::format("Trellis {}. help() lists all words, Ctrl-D ends.\n{}", trellis::version(), greeting));
+    if (!lines.complaint().empty()) print_stderr(fmt::format("warning: {}\n", lines.complaint()));
   }
 
   int status = success;

@@ -2,12 +2,14 @@
 #include <dsl/command/repl_line.hpp>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>  // NOLINT(modernize-deprecated-headers): ppoll's masks are POSIX's
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -20,6 +22,7 @@
 #include <readline/readline.h>
 
 #include <dsl/command/interrupt.hpp>
+#include <trellis/base/input_file.hpp>
 
 namespace trellis::command {
 
@@ -28,6 +31,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int most_remembered = 5000;
+/// Of the file of the history, which is read at once.
+constexpr std::uintmax_t most_history_bytes = std::uintmax_t{64} << 20U;
 
 // readline calls functions without a context argument, so the context is global.
 Completer& completer() {
@@ -93,17 +98,20 @@ std::string history_file() {
   return error ? "" : (folder / "history").string();
 }
 
-void begin_history(const std::string& file) {
+/// Returns why the file cannot hold the history, "" if it can.
+std::string begin_history(const std::string& file) {
   using_history();
   stifle_history(most_remembered);
   // With timestamps in the file, inputs of several lines keep their lines.
   history_comment_char = '#';
   history_write_timestamps = 1;
-  if (file.empty()) return;
+  if (file.empty()) return "";
   // Only the user may read the history. append_history requires an existing file.
-  const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (made >= 0) ::close(made);
-  read_history(file.c_str());
+  std::string fault = input_fault(file, most_history_bytes);
+  if (fault.empty()) read_history(file.c_str());
+  return fault;
 }
 
 }  // namespace
@@ -118,7 +126,10 @@ LineReader::LineReader(Completer completes)
   rl_completer_word_break_characters = " \t\n\"'`@$><=;|&{}()[]+-*/%^,#~:.";
   rl_completer_quote_characters = "\"'";
   history_ = history_file();
-  begin_history(history_);
+  const std::string fault = begin_history(history_);
+  if (fault.empty()) return;
+  complaint_ = fmt::format("there is no history: '{}': {}", history_, fault);
+  history_.clear();
 }
 
 LineReader::~LineReader() {

@@ -27,6 +27,9 @@ class LineReader {
   /// Whether stdin is a terminal.
   [[nodiscard]] bool interactive() const { return interactive_; }
 
+  /// Why this session has no history, "" if it has one or was asked for none.
+  [[nodiscard]] const std::string& complaint() const { return complaint_; }
+
   enum class Got { line, interrupted, end };
   /// Reads a line without its end. `interrupted`: Ctrl-C discarded the typed text; at a terminal only.
   Got read(const std::string& prompt, std::string& line);
@@ -39,6 +42,7 @@ class LineReader {
 
   bool interactive_;
   std::string history_;  ///< the file, "" for none
+  std::string complaint_;
 };
 
 }  // namespace trellis::command

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `trellis repl`: interactive sessions at a terminal, and piped lines.
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -295,6 +296,20 @@ TEST_CASE("the history is kept for the next session") {
   next.terminal.type("\x1b[A\x1b[A\x1b[A");
   next.enter("");
   CHECK_THAT(next.enter("first_thing"), Contains("\n11\r\n"));
+}
+
+TEST_CASE("a history that is no regular file, or too large, is left alone, and the session begins") {
+  for (const std::string make : {"mkfifo history", "ln -s /dev/zero history", "truncate -s 3G history"}) {
+    const Place place;
+    REQUIRE(place.shell(make).status == 0);
+    Sitting sitting(place);
+    CAPTURE(make, sitting.greeting);
+    CHECK_THAT(sitting.greeting, Contains("warning: there is no history: '") && Contains("history': it "));
+    CHECK_THAT(sitting.enter("1 + 1"), Contains("\n2\r\n"));
+    sitting.terminal.type(ctrl_d);
+    CHECK(sitting.terminal.finish() == 0);
+    if (make.starts_with("truncate")) CHECK(fs::file_size(place / "history") == std::uintmax_t{3} << 30U);
+  }
 }
 
 TEST_CASE("the loss of a local variable is reported once") {
