@@ -7,12 +7,14 @@
 #include <numbers>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/planar/distance.hpp>
 #include <trellis/collision/planar/segment.hpp>
 #include <trellis/collision/planar/separation.hpp>
+#include <trellis/collision/spatial/separation.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include "collision_worlds.hpp"
@@ -331,6 +333,162 @@ TEST_CASE("a motion in space that stays close to contact is certified with a bou
       CHECK(certificate.checks < 100000);
     }
   }
+}
+
+TEST_CASE("a motion in space along an obstacle, with a turn about its normal, is certified at any distance",
+          "[collision][certificate][space]") {
+  const Shape3 box = Cuboid{{0.4, 0.3, 0.4}};
+  const auto mesh = [](const Vec3& half) {
+    std::vector<Vec3> vertices;
+    for (const double x : {-half.x, half.x}) {
+      for (const double y : {-half.y, half.y}) {
+        for (const double z : {-half.z, half.z}) vertices.push_back({x, y, z});
+      }
+    }
+    return std::make_shared<const Mesh>(std::move(vertices),
+                                        std::vector<Triangle>{{0, 1, 3},
+                                                              {0, 3, 2},
+                                                              {4, 6, 7},
+                                                              {4, 7, 5},
+                                                              {0, 4, 5},
+                                                              {0, 5, 1},
+                                                              {2, 3, 7},
+                                                              {2, 7, 6},
+                                                              {0, 2, 6},
+                                                              {0, 6, 4},
+                                                              {1, 5, 7},
+                                                              {1, 7, 3}},
+                                        "box");
+  };
+  const std::vector<std::pair<std::string, Robot3>> bodies = {
+      {"ball", Robot3("ball", {{Sphere{0.2}, {}}})},
+      {"box", Robot3("box", {{box, {}}})},
+      {"capsule", Robot3("capsule", {{Capsule{0.2, 0.3}, {{}, rotation_of({0.5 * std::numbers::pi, 0, 0})}}})},
+      {"cylinder", Robot3("cylinder", {{Cylinder{0.3, 0.4}, {}}})},
+      {"mesh", Robot3("mesh", {{mesh({0.2, 0.15, 0.2}), {}}})}};
+  const std::vector<World3> worlds = {
+      World3({{0, 0, 0}, {4, 4, 4}}, {{"plate", {Cuboid{{4, 4, 1}}, {{2, 2, 0.5}, {}}}}}),
+      World3({{0, 0, 0}, {4, 4, 4}}, {{"mesh", {mesh({2, 2, 0.5}), {{2, 2, 0.5}, {}}}}}),
+      World3({{0, 0, 1}, {4, 4, 4}}, {})};
+  for (const World3& world : worlds) {
+    for (const auto& [name, robot] : bodies) {
+      const auto scene = std::make_shared<const SpatialScene>(world, robot);
+      const Space space = scene->default_space(1.0);
+      for (const char* const backend : {"fcl", "fcl_plain"}) {
+        const auto checker = make_checker(backend, scene, space, resolution);
+        for (const double gap : {1e-3, 1e-5, 1e-6, 1e-7, 1e-9}) {
+          const double height = 1.2 + gap;
+          const Quaternion turned = rotation_of({0, 0, 1.0});
+          const Configuration a = {1, 1, height, 0, 0, 0, 1}, b = {3, 2, height, 0, 0, turned.z, turned.w};
+          Certificate certificate{tolerance};
+          // As of a path: its points first.
+          for (const View q : {View(a), View(b)}) checker->certify(q, q, certificate);
+          checker->certify(a, b, certificate);
+          CAPTURE(name, world.obstacles().size(), backend, gap, certificate.checks, certificate.clearance);
+          REQUIRE(certificate.valid());
+          CHECK(certificate.clearance <= gap * (1.0 + 1e-6));
+          CHECK(certificate.clearance >= 0.5 * gap);
+          CHECK(certificate.checks < 20000);
+          // A motion into the obstacle is refuted.
+          const Configuration low = {3, 2, 1.2 - 1e-3, 0, 0, turned.z, turned.w};
+          Certificate refuted{tolerance};
+          checker->certify(a, low, refuted);
+          CHECK_FALSE(refuted.valid());
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a bar that slides over the edge of another one is certified at any distance",
+          "[collision][certificate][space]") {
+  // Both are turned by an eighth about their length, so that two edges meet.
+  constexpr double eighth = 0.25 * std::numbers::pi;
+  const double reach = 0.1 * std::numbers::sqrt2;
+  const World3 world({{-4, -4, -4}, {4, 4, 4}}, {{"bar", {Cuboid{{6, 0.2, 0.2}}, {{}, rotation_of({eighth, 0, 0})}}}});
+  const Robot3 robot("bar", {{Cuboid{{0.2, 3, 0.2}}, {{}, rotation_of({0, eighth, 0})}}});
+  const auto scene = std::make_shared<const SpatialScene>(world, robot);
+  const auto checker = make_checker("fcl", scene, scene->default_space(1.0), resolution);
+  for (const double gap : {1e-3, 1e-5, 1e-6, 1e-8}) {
+    const double height = 2.0 * reach + gap;
+    const Configuration a = {-1, 0, height, 0, 0, 0, 1}, b = {1, 0.5, height, 0, 0, 0, 1};
+    Certificate certificate{tolerance};
+    for (const View q : {View(a), View(b)}) checker->certify(q, q, certificate);
+    checker->certify(a, b, certificate);
+    CAPTURE(gap, certificate.checks, certificate.clearance);
+    REQUIRE(certificate.valid());
+    CHECK(certificate.clearance <= gap * (1.0 + 1e-6));
+    CHECK(certificate.clearance >= 0.5 * gap);
+    CHECK(certificate.checks < 20000);
+  }
+}
+
+TEST_CASE("gaps along directions of separation in space are bounds throughout a motion",
+          "[collision][certificate][space]") {
+  Stream stream(11, "", "separation in space");
+  const auto place = [&](double spread) {
+    return Pose3{{stream.uniform(-spread, spread), stream.uniform(-spread, spread), stream.uniform(-spread, spread)},
+                 rotation_of({stream.uniform(-3.0, 3.0), stream.uniform(-3.0, 3.0), stream.uniform(-3.0, 3.0)})};
+  };
+  const Shape3 shapes[] = {Sphere{0.3}, Cuboid{{0.6, 0.2, 0.05}}, Capsule{0.1, 0.5}, Cylinder{0.2, 0.4}};
+  int separated = 0;
+  for (const Shape3& shape : shapes) {
+    for (const Shape3& other : shapes) {
+      for (int i = 0; i < 300; ++i) {
+        const Pose3 part = place(0.3);
+        const Solid still{other, place(2.0)};
+        const Pose3 middle{place(1.0).position, place(0.0).orientation};
+        const Vec3 translation = i % 4 == 0 ? Vec3{} : place(0.5).position;
+        const double turn = i % 5 == 0 ? 0.0 : stream.uniform(0.0, 1.5);
+        const Vec3 arbitrary = place(1.0).position;
+        const BodyMotion motion{middle.position, translation, 1.0 / norm(arbitrary) * arbitrary, turn};
+        const SeparationGap gap = separation_gap({shape, middle * part}, motion, still);
+        const Box3 bounds{{-2, -2, -2}, {2, 2, 2}};
+        const SeparationGap inside = gap_inside({shape, middle * part}, motion, bounds);
+        if (gap.throughout > 0.0) ++separated;
+        for (int k = -8; k <= 8; ++k) {
+          const double s = 0.125 * k;
+          const Pose3 pose{middle.position + s * translation, rotation_of(s * turn * motion.axis) * middle.orientation};
+          // Points of the solid: its centre, corners and ends, and some of the rims.
+          const Pose3 at = pose * part;
+          const Box3 box = bounding_box(Solid{shape, at});
+          const Vec3 low = box.lo - bounds.lo, high = bounds.hi - box.hi;
+          const double margin = std::min({low.x, low.y, low.z, high.x, high.y, high.z});
+          CAPTURE(i, s, turn);
+          REQUIRE(inside.throughout <= margin + 1e-12);
+          if (s == 0.0) REQUIRE(inside.middle == Approx(margin).margin(1e-12));
+          std::vector<Vec3> points = {at.position};
+          double radius = 0.0;
+          if (const auto* cuboid = std::get_if<Cuboid>(&shape)) {
+            for (const double x : {-0.5, 0.5}) {
+              for (const double y : {-0.5, 0.5}) {
+                for (const double z : {-0.5, 0.5}) {
+                  points.push_back(at({x * cuboid->size.x, y * cuboid->size.y, z * cuboid->size.z}));
+                }
+              }
+            }
+          } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+            radius = capsule->radius;
+            for (const double z : {-0.5, 0.5}) points.push_back(at({0, 0, z * capsule->length}));
+          } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+            for (int side = 0; side < 24; ++side) {
+              const double angle = std::numbers::pi * side / 12.0;
+              for (const double z : {-0.5, 0.5}) {
+                points.push_back(
+                    at({cylinder->radius * std::cos(angle), cylinder->radius * std::sin(angle), z * cylinder->length}));
+              }
+            }
+          } else {
+            radius = std::get<Sphere>(shape).radius;
+          }
+          for (const Vec3& point : points) REQUIRE(gap.throughout <= distance_to(still, point) - radius + 1e-12);
+          if (s != 0.0) continue;
+          for (const Vec3& point : points) REQUIRE(gap.middle <= distance_to(still, point) - radius + 1e-12);
+        }
+      }
+    }
+  }
+  CHECK(separated > 500);
 }
 
 TEST_CASE("certificates of bodies in space hold at all configurations", "[collision][certificate][space]") {

@@ -21,6 +21,7 @@
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/spatial/near_filter.hpp>
 #include <trellis/collision/spatial/segment.hpp>
+#include <trellis/collision/spatial/separation.hpp>
 #include <trellis/collision/spatial/shared_cache.hpp>
 #include <trellis/collision/spatial/surface_pair.hpp>
 #include <trellis/scene/spatial/box_tree.hpp>
@@ -443,7 +444,15 @@ class SpatialFclChecker final : public Checker {
   class Clearances final : public MotionClearance {
    public:
     Clearances(const SpatialFclChecker& checker, View a, View b)
-        : checker_(checker), a_(a), b_(b), displacement_(checker.robot_.displacement_bound(a, b)) {}
+        : checker_(checker), a_(a), b_(b), displacement_(checker.robot_.displacement_bound(a, b)) {
+      const Pose3 from = checker.robot_.pose(a);
+      const Pose3 to = checker.robot_.pose(b);
+      whole_.translation = to.position - from.position;
+      if (!checker.robot_.rotates()) return;
+      const Vec3 turn = from.orientation(rotation_vector(from.orientation.inverse() * to.orientation));
+      whole_.turn = norm(turn);
+      if (whole_.turn > 0.0) whole_.axis = 1.0 / whole_.turn * turn;
+    }
 
     /// Of the whole motion, in metres.
     [[nodiscard]] double displacement() const { return displacement_; }
@@ -453,7 +462,9 @@ class SpatialFclChecker final : public Checker {
       unsigned found = 0;
       for (std::size_t i = 0; i < shares.size(); ++i) {
         const Pose3 pose = pose_at(shares[i]);
-        if (checker_.boundary_margin(pose, by) >= by && certainly_apart(pose, by)) found |= 1U << i;
+        const bool apart = checker_.boundary_margin(pose, by) >= by && certainly_apart(pose, by);
+        if (apart || separated(pose, half, margin + 2.0 * checker_.slack_).throughout > margin + checker_.slack_)
+          found |= 1U << i;
       }
       return found;
     }
@@ -475,11 +486,21 @@ class SpatialFclChecker final : public Checker {
       constexpr double relative = 1e-4;
       const double absolute = 1e-5 / checker_.scale_;
       const double reach = limit * (1.0 + 2.0 * relative) + 2.0 * absolute;
-      const double found = checker_.obstacle_distance(pose, reach);
+      double found = checker_.obstacle_distance(pose, reach);
       if (found >= reach) return {std::min(limit, at_most), std::min(limit - displacement, at_most)};
       const double certain = std::min(found * (1.0 - relative) - absolute, margin);
-      const bool inexact = certain < certified_share * std::min(found, margin);
+      bool inexact = certain < certified_share * std::min(found, margin);
       double sure = certain - displacement;
+      if (inexact) {
+        const SeparationGap gap = separated(pose, half, reach);
+        if (gap.middle > checker_.slack_) {
+          // A bound may be far less than the distance: then FCL's, and inflated shapes, say more.
+          const double least = std::min(found, margin);
+          if (gap.middle > 0.5 * least) found = std::min(found, gap.middle);
+          inexact = gap.middle < certified_share * std::min(found, margin);
+          sure = std::max(sure, gap.throughout - checker_.slack_);
+        }
+      }
       // Close to contact inflated shapes show more than such a distance does.
       for (const double share : {0.5, 0.1, 0.0}) {
         const double inflated = share * std::max(std::min(found, margin) - displacement, 0.0);
@@ -518,6 +539,37 @@ class SpatialFclChecker final : public Checker {
       });
     }
 
+    /// Returns what directions of separation show about the interval with this middle: the least gap from the boundary
+    /// and the obstacles. Gaps of at least `enough` count as that.
+    [[nodiscard]] SeparationGap separated(const Pose3& pose, double half, double enough) const {
+      const double by = enough + half * displacement_;
+      const BodyMotion motion{pose.position, half * whole_.translation, whole_.axis, half * whole_.turn};
+      SeparationGap all{by, enough};
+      const auto add = [&all](const SeparationGap& gap) {
+        all.middle = std::min(all.middle, gap.middle);
+        all.throughout = std::min(all.throughout, gap.throughout);
+      };
+      const Box3& bounds = checker_.world_.bounds();
+      const Contain contain = checker_.world_.contain();
+      if (contain == Contain::reference) add(gap_inside({Sphere{0.0}, {pose.position, {}}}, motion, bounds));
+      const Vec3 margin{by, by, by};
+      for (const Piece& piece : checker_.pieces_) {
+        const Pose3 at = pose * piece.solid.pose;
+        const Box3 tight = box_at(piece, Turn(at));
+        const Box3 box{tight.lo - margin, tight.hi + margin};
+        if (contain == Contain::robot && margin_inside(box, bounds) < 0.0) {
+          add(gap_inside({piece.solid.shape, at}, motion, bounds));
+        }
+        checker_.tree_.each([&](const Box3& other) { return all.throughout > 0.0 && overlap(box, other); },
+                            [&](std::uint32_t i) {
+                              if (all.throughout <= 0.0 || !overlap(box, checker_.boxes_[i])) return;
+                              add(separation_gap({piece.solid.shape, at}, motion, checker_.obstacles_[i].solid));
+                            });
+        if (all.throughout <= 0.0) break;
+      }
+      return all;
+    }
+
     [[nodiscard]] bool pair_apart(const Piece& piece, const Pose3& pose, std::size_t i, double by) const {
       const Piece& obstacle = checker_.obstacles_[i];
       if (piece.model == nullptr) return !meet_inflated(piece, pose, obstacle, obstacle.solid.pose, by);
@@ -542,6 +594,7 @@ class SpatialFclChecker final : public Checker {
     View a_;
     View b_;
     double displacement_;
+    BodyMotion whole_;  ///< translation and turn of the whole motion
   };
 
   /// Returns the report of a motion whose n checked configurations are valid: of a point's, what its segment touches
