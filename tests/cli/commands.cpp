@@ -348,7 +348,9 @@ TEST_CASE("inputs that are probably mistakes are warned of, by check and by run"
       "odd.lua",
       "local w = world { bounds = {0, 0, 10, 10}, box {4, 0, 5, 10} }\n"
       "return experiment { measure = false, strategies = { shrunken = shrink(0.5) >> rrt { proposals = 50 } }, "
-      "problems = { problem { name = 'walled', world = w, robot = robot.point(), start = {1, 1}, goal = {9, 9} },\n"
+      "problems = { problem { name = 'walled', world = w, robot = robot.point(), start = {1, 1}, goal = {{9, 9}, {9, "
+      "1}} },\n"
+      "  problem { name = 'halved', world = w, robot = robot.point(), start = {1, 1}, goal = {{9, 9}, {1, 9}} },\n"
       "  problem { name = 'turned', world = world { bounds = {0, 0, 10, 10} }, robot = robot.rectangle(0.6, 0.2), "
       "start = {1, 1, 90}, goal = {9, 9, 0} },\n"
       "  problem { name = 'wound', world = world { bounds = {0, 0, 10, 10} }, robot = robot.arm { links = {1}, base = "
@@ -363,8 +365,11 @@ TEST_CASE("inputs that are probably mistakes are warned of, by check and by run"
                                 Contains("a point, which has nothing to shrink") &&
                                 Contains("problem 'turned': start: theta = 90 is more than a full turn") &&
                                 Contains("math.rad(90) = 1.5708") && !Contains("'turned': obstacles") &&
+                                !Contains("'halved': obstacles") &&
                                 Contains("problem 'wound': the limits of joint 1, -45 and 45, are 14.3 turns apart") &&
                                 Contains("math.rad(-45)") && !Contains("problem 'usual'"));
+    CHECK((outcome.out.find("no run on walled can succeed: obstacles separate start and goal") != std::string::npos) ==
+          (std::string(verb) == "run"));
   }
 }
 

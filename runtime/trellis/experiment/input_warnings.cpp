@@ -108,15 +108,19 @@ bool separated(const Problem& problem) {
     return !std::holds_alternative<Disc>(obstacle.shape);
   });
   constexpr std::size_t most_obstacles = 1000;  // a tenth of a second
-  if (!polygons || obstacles.size() > most_obstacles || problem.reach || problem.goals.size() != 1) return false;
+  if (!polygons || obstacles.size() > most_obstacles || problem.reach || problem.goals.empty()) return false;
   if (problem.space.dimension() < 2 || !scene.robot.translates() || !covers_reference(scene.robot)) return false;
   if (!problem.space.flat() || problem.space.axes()[0].periodic || problem.space.axes()[1].periodic) return false;
   const auto [lo, hi] = scene.world.bounds();
   try {
     const Triangulation free(scene.world, std::max(hi.x - lo.x, hi.y - lo.y));
     const auto start = free.find({problem.start[0], problem.start[1]});
-    const auto goal = free.find({problem.goal()[0], problem.goal()[1]});
-    return start && goal && !connected(free, *start)[*goal];
+    if (!start) return false;
+    const auto reached = connected(free, *start);
+    return std::all_of(problem.goals.begin(), problem.goals.end(), [&](const Configuration& q) {
+      const auto goal = free.find({q[0], q[1]});
+      return goal && !reached[*goal];
+    });
   } catch (const Error&) {
     return false;  // a world that has no such triangulation
   }

@@ -18,9 +18,9 @@ std::vector<std::string> input_warnings(const Experiment& experiment);
 /// its numbers may be inches, centimetres or millimetres. "" otherwise.
 std::string unit_warning(const Problem& problem);
 
-/// Whether closed obstacles certainly separate start and goal, so that no path exists for any robot that covers its
-/// reference point. An exact triangulation of the free space decides, where the world has at most 1000 obstacles, no
-/// discs and one goal; else false. Takes a tenth of a second at most.
+/// Whether closed obstacles certainly separate the start from all goals, so that no path exists for any robot that
+/// covers its reference point. An exact triangulation of the free space decides, where the world has at most 1000
+/// obstacles and no discs; else false. Takes a tenth of a second at most.
 bool separated(const Problem& problem);
 
 }  // namespace trellis

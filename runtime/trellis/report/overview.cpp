@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/rejections.hpp>
 #include <trellis/report/overview.hpp>
 #include <trellis/report/resolves.hpp>
@@ -304,6 +305,12 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
       if (row.summary.solved == row.summary.runs) continue;
       const double half = 0.5 * static_cast<double>(row.summary.runs);
       if (static_cast<double>(row.summary.solved) >= half && row.summary.runs > 1) continue;
+      const auto& problems = experiment.problems;
+      const auto of_section = std::find_if(problems.begin(), problems.end(),
+                                           [&](const Problem& problem) { return problem.name == section.problem; });
+      if (of_section != problems.end() && separated(*of_section)) {
+        return fmt::format("no run on {} can succeed: obstacles separate start and goal", section.problem);
+      }
       return fmt::format(
           "{} solves {} of {}: give its planner more `proposals`, or see --report levels for where it "
           "stopped",
