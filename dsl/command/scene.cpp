@@ -458,6 +458,8 @@ void draw_mesh(const Options& options, const MeshFile& file, const std::string& 
 std::string units_text(const MeshFile& file, const Options& options) {
   const std::string unit = fmt::format("1 unit = {:g} m", file.metres_in_unit);
   if (file.up != '\0') {
+    // The format's default, which most files do not state.
+    if (file.metres_in_unit == 1.0 && file.unit_name.empty()) return unit + ", as COLLADA has it without a <unit>";
     return fmt::format("{}{}, as the file says", unit,
                        file.unit_name.empty() ? "" : fmt::format(" ({})", file.unit_name));
   }

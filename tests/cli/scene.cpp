@@ -102,6 +102,36 @@ TEST_CASE("scene prints a mesh") {
   CHECK(place.run({"scene", "tetra.obj", "--problem", "x"}).status == 2);
 }
 
+TEST_CASE("scene says what a file of COLLADA states of its unit and axes") {
+  const Place place;
+  const auto printed = [&](const std::string& asset) {
+    write(place, "a.dae",
+          R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>)" +
+              asset + R"(</asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 2 3</float_array><technique_common>
+<accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor>
+</technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>
+</library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+)");
+    return place.run({"scene", "a.dae"});
+  };
+  const Outcome inch = printed(R"(<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis>)");
+  if (inch.err.find("trellis-mesh, which is not installed") != std::string::npos) {
+    WARN("SKIPPED: trellis-mesh was not built");
+    return;
+  }
+  CHECK_THAT(inch.out, Contains("1 unit = 0.0254 m (inch), as the file says") && Contains("z is up") &&
+                           Contains("x 0 to 0.0254, y 0 to 0.0508, z 0 to 0.0762 m") && !Contains("warning"));
+  CHECK_THAT(printed("<up_axis>Y_UP</up_axis>").out,
+             Contains("1 unit = 1 m, as COLLADA has it without a <unit>") && Contains("y is up (Y_UP)"));
+}
+
 TEST_CASE("scene says by which rule it read a map, and check and run what they found in it") {
   const Place place;
   write(place, "map.pgm", "P2 4 2 255 254 254 254 254 254 0 205 254\n");
