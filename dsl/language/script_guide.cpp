@@ -444,7 +444,7 @@ class ScriptHeuristic final : public Heuristic {
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return progress_ + h_->progress(); }
   [[nodiscard]] double connected() const override { return h_->connected(); }
-  [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   void restart() override { h_->restart(); }
   void found(double length) override { h_->found(length); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
@@ -476,7 +476,7 @@ class OwnedHeuristic final : public Heuristic {
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return h_->progress(); }
   [[nodiscard]] double connected() const override { return h_->connected(); }
-  [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
   void record(DensityRecord& record, double share) const override { h_->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override {

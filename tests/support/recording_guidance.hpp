@@ -54,7 +54,9 @@ class RecordingGuidance final : public Guidance {
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return !judge_connection || judge_connection(from, to);
   }
-  [[nodiscard]] double edge_factor(View a, View b) const override { return weigh_edge ? weigh_edge(a, b) : 1.0; }
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
+    return weigh_edge ? weigh_edge(a, b) : std::optional(1.0);
+  }
   void found(double length) override { lengths.push_back(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal", "uniform"}; }
 
@@ -64,7 +66,7 @@ class RecordingGuidance final : public Guidance {
   std::size_t proposals = 0;
   std::function<std::uint32_t()> choose_vertex;
   std::function<bool(View, View)> judge_connection;
-  std::function<double(View, View)> weigh_edge;
+  std::function<std::optional<double>(View, View)> weigh_edge;
   Configuration always;  ///< if not empty: every proposal
 
  private:

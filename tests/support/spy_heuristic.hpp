@@ -69,7 +69,7 @@ class SpyHeuristic final : public PathFollower {
     return metres;
   }
   [[nodiscard]] double connected() const override { return 2.0 * metres; }
-  [[nodiscard]] double edge_factor(View a, View b) const override {
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
     calls_->edges.emplace_back(copy(a), copy(b));
     return factor;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -224,7 +225,7 @@ TEST_CASE("a proposal counts for the edge that it is nearest to, however far its
     // The start is the nearest vertex.
     guided.guidance.always = {1.2, 7.9};
     // A guide without a path has no opinion.
-    guided.guidance.weigh_edge = [](View, View) { return std::numeric_limits<double>::infinity(); };
+    guided.guidance.weigh_edge = [](View, View) { return std::nullopt; };
     const Solution found = guided.solve();
     REQUIRE(found.solved());
     CHECK(highest(found.path) == 9.0);

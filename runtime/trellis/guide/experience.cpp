@@ -125,7 +125,7 @@ class RepairedPath final : public PathFollower {
   }
   [[nodiscard]] double progress() const override { return path_->progress(); }
   [[nodiscard]] double connected() const override { return path_->connected(); }
-  [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
   void record(DensityRecord& record, double of) const override {
     path_->record(record, of * (1.0 - share()));

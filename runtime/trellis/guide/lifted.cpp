@@ -77,7 +77,7 @@ bool LiftedHeuristic::worth_connecting(View from, View to) const {
   return inner_->worth_connecting(projected(*projection_, from, proposal_), projected(*projection_, to, near_));
 }
 
-double LiftedHeuristic::edge_factor(View a, View b) const {
+std::optional<double> LiftedHeuristic::edge_factor(View a, View b) const {
   return inner_->edge_factor(projected(*projection_, a, proposal_), projected(*projection_, b, near_));
 }
 

@@ -81,7 +81,7 @@ class LiftedHeuristic final : public Heuristic {
   /// 0 if f does not contract: lengths in S then do not bound those in C.
   [[nodiscard]] double progress() const override { return projection_->contracts() ? inner_->progress() : 0.0; }
   [[nodiscard]] double connected() const override { return projection_->contracts() ? inner_->connected() : 0.0; }
-  [[nodiscard]] double edge_factor(View a, View b) const override;
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override;
   void restart() override { inner_->restart(); }
   /// If f contracts, a path of C is at most as long in S. Otherwise its length has no meaning in S.
   void found(double length) override {

@@ -283,9 +283,9 @@ double SeveralPaths::connected() const {
   return sum;
 }
 
-double SeveralPaths::edge_factor(View a, View b) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::size_t i : live_) least = std::min(least, parts_[i]->edge_factor(a, b));
+std::optional<double> SeveralPaths::edge_factor(View a, View b) const {
+  std::optional<double> least;
+  for (const std::size_t i : live_) least = least_factor(least, parts_[i]->edge_factor(a, b));
   return least;
 }
 

@@ -261,7 +261,7 @@ class SeveralPaths final : public PathFollower {
   [[nodiscard]] double progress() const override;
   [[nodiscard]] double connected() const override;
   /// The minimum over the active paths.
-  [[nodiscard]] double edge_factor(View a, View b) const override;
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override;
   void restart() override {
     for (auto& part : parts_) part->restart();
   }

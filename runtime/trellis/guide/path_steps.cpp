@@ -209,7 +209,7 @@ std::vector<char> known_edges(const Instance& instance, const Configurations& pa
   return verified;
 }
 
-double StepHeuristic::edge_factor(View a, View b) const {
+std::optional<double> StepHeuristic::edge_factor(View a, View b) const {
   constexpr double most = 5.0;
   if (!index_) {
     index_ = std::make_unique<NearestIndex>(space_);

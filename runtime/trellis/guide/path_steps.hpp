@@ -111,7 +111,7 @@ class StepHeuristic final : public PathFollower {
   [[nodiscard]] double connected() const override { return std::min(length(), fronts_[0].at + fronts_[1].at); }
   /// An edge away from the path costs five times its length. A shortcut between two parts of the path costs as much as
   /// the path between them, at most five times its own length.
-  [[nodiscard]] double edge_factor(View a, View b) const override;
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override;
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (target()) {

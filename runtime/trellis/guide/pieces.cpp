@@ -167,9 +167,9 @@ double SumHeuristic::connected() const {
   return sum;
 }
 
-double SumHeuristic::edge_factor(View a, View b) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Part& part : parts_) least = std::min(least, part.heuristic->edge_factor(a, b));
+std::optional<double> SumHeuristic::edge_factor(View a, View b) const {
+  std::optional<double> least;
+  for (const Part& part : parts_) least = least_factor(least, part.heuristic->edge_factor(a, b));
   return least;
 }
 

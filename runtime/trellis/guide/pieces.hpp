@@ -53,7 +53,7 @@ class SumHeuristic final : public Heuristic {
   [[nodiscard]] double progress() const override;
   [[nodiscard]] double connected() const override;
   /// The minimum over the parts.
-  [[nodiscard]] double edge_factor(View a, View b) const override;
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override;
   void restart() override;
   void found(double length) override;
   [[nodiscard]] std::uint64_t epoch() const override;

@@ -136,7 +136,7 @@ double EvaluatedGraph::path_factor(std::uint32_t e) const {
   double sum = 0.0;
   double pieces = 0.0;
   for_pieces(e, [&](View from, View to) {
-    sum += context_.guidance.edge_factor(from, to);
+    sum += context_.guidance.edge_factor(from, to).value_or(1.0);
     pieces += 1.0;
   });
   return sum / pieces;
@@ -228,9 +228,9 @@ void EvaluatedGraph::ask_for_paths() {
   measure();
   for (std::size_t i = 0; i < asked && !graph_->edges.empty(); ++i) {
     const double factor = path_factor(static_cast<std::uint32_t>(i * graph_->edges.size() / asked));
-    // Without a path, all factors are 1 or infinite.
+    // Without a path, all factors are 1.
     if (factor == 1.0) continue;
-    paths_ = std::isfinite(factor);
+    paths_ = true;
     return;
   }
 }
@@ -278,7 +278,7 @@ double EvaluatedGraph::vertex_factor(std::uint32_t v) {
   if (factor > 0.0) return factor;
   if (weights_ == Weights::paths) {
     const View at = std::as_const(graph_->vertices)[v];
-    factor = context_.guidance.edge_factor(at, at);
+    factor = context_.guidance.edge_factor(at, at).value_or(1.0);
   } else {
     double sum = 0.0;
     for (const Incident& next : incident(v)) sum += edge_factor(next.edge);

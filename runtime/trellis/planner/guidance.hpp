@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,7 +85,8 @@ class Guidance {
   /// it.
   [[nodiscard]] virtual double connected() const { return 0.0; }
   /// Factor >= 1 on the cost of an edge in a roadmap search. It is larger for an edge that leaves the guiding paths.
-  [[nodiscard]] virtual double edge_factor(View a, View b) const {
+  /// None: no path weighs edges now, and those of other parts of h decide.
+  [[nodiscard]] virtual std::optional<double> edge_factor(View a, View b) const {
     static_cast<void>(a);
     static_cast<void>(b);
     return 1.0;
@@ -102,6 +104,11 @@ class Guidance {
   /// The names of the parts that draw samples.
   [[nodiscard]] virtual std::vector<std::string> sources() const = 0;
 };
+
+/// The lesser of two edge factors of which either may be none.
+inline std::optional<double> least_factor(std::optional<double> a, std::optional<double> b) {
+  return a && b ? std::min(*a, *b) : a ? a : b;
+}
 
 /// Uniform distribution over the space; S = {0}.
 class UniformGuidance final : public Guidance {

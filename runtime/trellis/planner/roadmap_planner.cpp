@@ -388,7 +388,7 @@ double RoadmapPlanner::cost_factor(View a, View b) const {
   // An eager roadmap is searched for the shortest path.
   if (!mode_.lazy_edges) return 1.0;
   double factor = context_.instance.validity->effort_factor(a, b);
-  if (context_.guided) factor *= context_.guidance.edge_factor(a, b);
+  if (context_.guided) factor *= context_.guidance.edge_factor(a, b).value_or(1.0);
   return factor;
 }
 

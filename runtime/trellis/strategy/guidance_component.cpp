@@ -137,7 +137,7 @@ class ComponentGuidance final : public SearchedGuidance {
     heuristic_->restart();
     if (level_ || custom_) made_at_ = never;
   }
-  [[nodiscard]] double edge_factor(View a, View b) const override {
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
     if (parent_.instance().graph) return graph_factor(a, b);
     return heuristic_ ? heuristic_->edge_factor(a, b) : 1.0;
   }
@@ -211,13 +211,11 @@ class ComponentGuidance final : public SearchedGuidance {
  private:
   using Reason = std::uint64_t Resolves::*;
 
-  /// The factor of an edge of an explicit graph: the whole path weighs it. Infinite without a path, so that the other
-  /// parts of a combination decide.
-  [[nodiscard]] double graph_factor(View a, View b) const {
-    constexpr double none = std::numeric_limits<double>::infinity();
-    if (!heuristic_ || renewing_ || heuristic_->stale()) return none;
+  /// The factor of an edge of an explicit graph: the whole path weighs it.
+  [[nodiscard]] std::optional<double> graph_factor(View a, View b) const {
+    if (!heuristic_ || renewing_ || heuristic_->stale()) return std::nullopt;
     if (!along_) along_.emplace(parent_.instance(), heuristic_->lifted_path());
-    return along_->empty() ? none : along_->factor(a, b);
+    return along_->empty() ? std::nullopt : std::optional(along_->factor(a, b));
   }
 
   /// \param reason  the kind of report that the heuristic just received

@@ -149,7 +149,7 @@ class LevelGuidance final : public Guidance {
   [[nodiscard]] double progress() const override {
     return informed_.progress() + (guide_ != nullptr ? guide_->progress() : 0.0);
   }
-  [[nodiscard]] double edge_factor(View a, View b) const override {
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
     return guide_ != nullptr ? guide_->edge_factor(a, b) : 1.0;
   }
   void lost(View place) {
@@ -339,7 +339,7 @@ class WatchedGuidance final : public Guidance {
   }
   void select_tree(TreeSide side) override { h_.select_tree(side); }
   void restart() override { h_.restart(); }
-  [[nodiscard]] double edge_factor(View a, View b) const override { return h_.edge_factor(a, b); }
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_.edge_factor(a, b); }
   [[nodiscard]] std::uint32_t vertex() const override { return h_.vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_.worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return h_.progress(); }

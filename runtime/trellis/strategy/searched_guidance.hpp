@@ -100,9 +100,9 @@ class PartsGuidance : public SearchedGuidance {
     for (auto& part : parts_) part->restart();
   }
   /// The minimum over the parts.
-  [[nodiscard]] double edge_factor(View a, View b) const override {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& part : parts_) least = std::min(least, part->edge_factor(a, b));
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
+    std::optional<double> least;
+    for (const auto& part : parts_) least = least_factor(least, part->edge_factor(a, b));
     return least;
   }
   [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_]->vertex(); }
