@@ -86,8 +86,8 @@ const Construct& guiding_space_construct() {
             "a function",
             "h: called each time that S was solved, with the path found and the instance in C; returns a sum of "
             "along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with "
-            "random and normal, it returns a configuration of C, and its density may follow it; by default along the "
-            "path found, lifted"},
+            "random and normal, it returns a configuration of C, perhaps with the node to extend and the control to "
+            "extend it under, and its density may follow it; by default along the path found, lifted"},
            {"density", "fun(...: number): number", "a function",
             "of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with "
             "respect to volume in metric coordinates"},
@@ -526,6 +526,10 @@ std::vector<ObjectType> guiding_space_types() {
                           {"number", "integer?", "",
                            "the number of the node `added`; a function that draws may return it after the coordinates, "
                            "as the node to extend"},
+                          {"near_number", "integer?", "", "the number of the node `near`"},
+                          {"control", "number[]?", "",
+                           "the control that `near` was driven under; nil without a motion model and on a curve"},
+                          {"duration", "number?", "", "seconds for which the motion under `control` is valid"},
                           {"blocked_at", configuration + "?", "", "the first configuration that was found invalid"}};
   return types;
 }

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -29,6 +31,7 @@ const std::vector<Field>& instance_members() {
       {"goals", configuration + "[]", "", "all goals: a path to any of them solves the instance"},
       {"robot", "trellis.Robot", "", "what moves"},
       {"world", "trellis.World", "", "the workspace"},
+      {"motion", "trellis.InstanceMotion?", "", "the motion model; nil where motions are straight"},
       {"goal_tolerance", "number", "", "a configuration this near to the goal in the metric is the goal"},
       {"resolution", "number", "", "how far the robot's fastest point moves between two checked configurations"},
       {"valid", query + "boolean", "",
@@ -39,7 +42,10 @@ const std::vector<Field>& instance_members() {
        "level pays for"},
       {"nearest_obstacle", query + "trellis.NearestObstacle", "",
        "the obstacle of the world that is nearest to the robot at a configuration, nil in a world without obstacles; "
-       "an error where no collision check decides validity; a check that the level pays for"}};
+       "an error where no collision check decides validity; a check that the level pays for"},
+      {"drive", "fun(self: trellis.Instance, q: number[], control: number[], duration: number): number[]", "",
+       "the state in which a control, held for a duration in seconds, ends from a state, by the motion model; no check "
+       "of validity, so it may be invalid or outside of the space"}};
   return members;
 }
 
@@ -72,6 +78,54 @@ void push_method(Stack& stack, const std::string& name, const std::shared_ptr<In
       throw Error(fmt::format("instance:{}: {}", name, error.what()));
     }
   });
+}
+
+/// Pushes instance:drive(q, control, duration).
+void push_drive(Stack& stack, const std::shared_ptr<InstanceAccess>& access) {
+  stack.push_function([access](Stack& call) {
+    try {
+      if (access->instance == nullptr) throw Error("the call that this instance was given to is over");
+      const Instance& instance = *access->instance;
+      if (!instance.motion_model) throw Error("the instance has no motion model: its motions are straight");
+      if (call.count() != 4 || call[1].get<InstanceValue>() == nullptr) {
+        throw Error("expected instance:drive(q, control, duration)");
+      }
+      const MotionModel& model = *instance.motion_model;
+      Configuration q = read_configuration(call[2], instance.space, "q");
+      const Configuration control = read_control(call[3], model, "control");
+      const std::uint32_t steps = read_duration(call[4], model, "duration");
+      for (std::uint32_t k = 0; k < steps; ++k) model.step(instance.space, q, control, q);
+      push_numbers(call, q);
+      return 1;
+    } catch (const Error& error) {
+      throw Error(fmt::format("instance:drive: {}", error.what()));
+    }
+  });
+}
+
+/// Pushes what scripts see of a motion model; nil if there is none.
+void push_motion(Stack& stack, const MotionModel* model) {
+  if (model == nullptr) {
+    stack.push_nil();
+    return;
+  }
+  const Value table = stack.push_table();
+  stack.push(model->name());
+  stack.set_field(table, "name");
+  stack.push(model->dt());
+  stack.set_field(table, "dt");
+  const Value controls = stack.push_table();
+  for (const ControlAxis& axis : model->controls()) {
+    const Value control = stack.push_table();
+    stack.push(axis.name);
+    stack.set_field(control, "name");
+    stack.push(axis.lo);
+    stack.set_field(control, "lower");
+    stack.push(axis.hi);
+    stack.set_field(control, "upper");
+    stack.append(controls);
+  }
+  stack.set_field(table, "controls");
 }
 
 int push_nearest(Stack& call, Instance& instance, View q) {
@@ -111,6 +165,35 @@ int read_instance(Stack& call) {
 
 }  // namespace
 
+Configuration read_control(const Value& value, const MotionModel& model, const std::string& what) {
+  Configuration control = read_numbers(value, what);
+  const auto& axes = model.controls();
+  std::vector<std::string> names;
+  names.reserve(axes.size());
+  for (const ControlAxis& axis : axes) names.push_back(axis.name);
+  if (control.size() != axes.size()) {
+    throw Error(fmt::format("{} must be {} numbers ({}), the controls of {}, got {}", what, axes.size(),
+                            fmt::join(names, ", "), model.text(), control.size()));
+  }
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    if (control[j] >= axes[j].lo && control[j] <= axes[j].hi) continue;
+    throw Error(fmt::format("{}: {} is {:g}, expected a number from {:g} to {:g}", what, axes[j].name, control[j],
+                            axes[j].lo, axes[j].hi));
+  }
+  return control;
+}
+
+std::uint32_t read_duration(const Value& value, const MotionModel& model, const std::string& what) {
+  constexpr double most = 10000.0;  // steps
+  const auto seconds = value.number();
+  const double steps = seconds ? std::round(*seconds / model.dt()) : 0.0;
+  if (!seconds || !(*seconds > 0.0) || !(steps <= most)) {
+    throw Error(fmt::format("{} must be a number greater than 0 and at most {:g} (s; {:g} steps of the model), got {}",
+                            what, most * model.dt(), most, describe(value)));
+  }
+  return static_cast<std::uint32_t>(std::max(steps, 1.0));
+}
+
 void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr<InstanceAccess>& access) {
   const int before = stack.size();
   const Value table = stack.push_table();
@@ -131,6 +214,10 @@ void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr
   set("robot");
   push_world(stack, *instance.scene);
   set("world");
+  push_motion(stack, instance.motion_model.get());
+  set("motion");
+  push_drive(stack, access);
+  set("drive");
   stack.push(instance.goal_tolerance);
   set("goal_tolerance");
   stack.push(instance.resolution);
@@ -158,6 +245,13 @@ std::vector<ObjectType> instance_types() {
            "a planning instance, as the functions of a guiding space see it",
            "",
            instance_members(),
+           {}},
+          {"trellis.InstanceMotion",
+           "the motion model of an instance",
+           "",
+           {{"name", "string", "", "unicycle1, car, ..."},
+            {"dt", "number", "", "seconds of one step; durations are whole numbers of steps"},
+            {"controls", "{ name: string, lower: number, upper: number }[]", "", "each control and its bounds"}},
            {}},
           {"trellis.NearestObstacle",
            "the obstacle nearest to the robot",

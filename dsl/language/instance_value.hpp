@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <dsl/language/words.hpp>
@@ -37,6 +39,12 @@ struct InstanceValue {
 
 /// Pushes an instance. Its checks count in the instance.
 void push_instance(lua::Stack& stack, const Instance& instance, const std::shared_ptr<InstanceAccess>& access);
+
+/// Reads a control of a motion model: a list of one number for each control, each within its bounds. Messages call it
+/// `what`. \throws Error
+Configuration read_control(const lua::Value& value, const MotionModel& model, const std::string& what);
+/// Reads a duration in seconds, as the nearest number of steps of a motion model, at least 1. \throws Error
+std::uint32_t read_duration(const lua::Value& value, const MotionModel& model, const std::string& what);
 
 /// Registers the type.
 void open_instance(lua::Stack& stack);

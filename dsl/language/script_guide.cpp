@@ -105,24 +105,35 @@ class Calls {
     call(slot, *(*definition_)[slot], which, push, read);
   }
 
+  /// What a function that draws returned besides a configuration of C.
+  struct Expansion {
+    std::uint32_t node = no_node;  ///< to extend; no_node: the nearest one
+    Configuration control;         ///< empty: the planner chooses it
+    std::uint32_t steps = 0;       ///< duration of the control, in steps of the motion model
+  };
   /// Draws with a function that 'heuristic' returned.
+  /// \param model  of C; nullptr: its motions are straight
   /// \param number  index of the sample, for messages
-  /// \return the node to extend, if the function returned its number after the coordinates; else no_node
-  std::uint32_t draw(const Reference& function, const Space& c, std::uint64_t number, Stream& stream,
-                     MutableView out) const {
+  Expansion draw(const Reference& function, const Space& c, const MotionModel* model, std::uint64_t number,
+                 Stream& stream, MutableView out) const {
     const Restore restore{drawn_from_->now, std::exchange(drawn_from_->now, &stream)};
-    std::uint32_t node = no_node;
+    Expansion expansion;
     call(
         Slot::heuristic, function, [&] { return fmt::format("its sample {}", number); },
         [&](Stack& stack) { return push_random(stack); },
         [&](Stack& stack) {
           constexpr auto what = "what the function that draws returns";
           const auto coordinates = static_cast<int>(c.dimension());
-          if (stack.size() == coordinates + 1) node = node_number(stack[stack.size()]);
-          read_coordinates(stack, 1, stack.size() == coordinates + 1 ? coordinates : stack.size(), c, out, what);
+          if (stack.size() == 1 && stack[1].type() == Type::table && !stack[1].keys().names.empty()) {
+            expansion = read_expansion(stack[1], c, model, out);
+          } else {
+            const bool names = stack.size() == coordinates + 1;
+            if (names) expansion.node = node_number(stack[stack.size()], "after the coordinates it returned");
+            read_coordinates(stack, 1, names ? coordinates : stack.size(), c, out, what);
+          }
           place(c, out, what);
         });
-    return node;
+    return expansion;
   }
 
   [[nodiscard]] double density(const Reference& function, View q, bool drawn = false) const {
@@ -176,15 +187,43 @@ class Calls {
     ~Restore() { now = before; }
   };
 
+  /// Reads { to = ..., node = ..., control = ..., duration = ... }.
+  static Expansion read_expansion(const Value& table, const Space& c, const MotionModel* model, MutableView out) {
+    static const std::vector<std::string> fields = {"to", "node", "control", "duration"};
+    for (const std::string& name : table.keys().names) {
+      if (std::find(fields.begin(), fields.end(), name) != fields.end()) continue;
+      throw Located(fmt::format("it returned a table with the field '{}'{}; there are: {}", name,
+                                did_you_mean(name, fields), fmt::join(fields, ", ")));
+    }
+    Expansion expansion;
+    try {
+      const Value to = table.field("to");
+      if (!to.given()) throw Error("the table that it returned needs 'to', the configuration to extend towards");
+      const Configuration q = read_configuration(to, c, "'to'");
+      std::copy(q.begin(), q.end(), out.begin());
+      expansion.node = node_number(table.field("node"), "'node' is");
+      const Value control = table.field("control");
+      const Value duration = table.field("duration");
+      if (!control.given() && !duration.given()) return expansion;
+      if (model == nullptr) throw Error("'control' needs a motion model: motions of this problem are straight");
+      if (!control.given() || !duration.given()) throw Error("'control' and 'duration' belong together");
+      expansion.control = read_control(control, *model, "'control'");
+      expansion.steps = read_duration(duration, *model, "'duration'");
+    } catch (const Located&) {
+      throw;
+    } catch (const Error& error) {
+      throw Located(error.what());
+    }
+    return expansion;
+  }
+
   /// The node that a script names by its number; no_node for nil.
-  static std::uint32_t node_number(const Value& value) {
-    if (value.type() == Type::nil) return no_node;
+  static std::uint32_t node_number(const Value& value, const char* what) {
+    if (!value.given()) return no_node;
     const auto number = value.number();
     if (!number || *number != std::floor(*number) || *number < 0.0 || *number >= static_cast<double>(no_node)) {
       throw Located(
-          fmt::format("after the coordinates it returned {}, expected the number of a node, as outcomes have "
-                      "it, or nil",
-                      value.describe()));
+          fmt::format("{} {}, expected the number of a node, as outcomes have it, or nil", what, value.describe()));
     }
     return static_cast<std::uint32_t>(*number);
   }
@@ -350,18 +389,22 @@ class FunctionDensity final : public Density {
 /// A heuristic h that samples with a script's function.
 class FunctionHeuristic final : public Heuristic {
  public:
-  FunctionHeuristic(const std::shared_ptr<const Calls>& calls, Space c, const Returned& returned)
-      : calls_(calls), c_(std::move(c)), function_(returned.sample) {
+  FunctionHeuristic(const std::shared_ptr<const Calls>& calls, const Instance& c, const Returned& returned)
+      : calls_(calls), c_(c.space), model_(c.motion_model), function_(returned.sample) {
     if (returned.density) density_ = std::make_shared<const FunctionDensity>(calls, returned.density);
   }
 
   Source sample(Stream& stream, MutableView out) override {
     constexpr std::uint64_t checked_samples = 8;  // number of samples at which to check the density
-    node_ = calls_->draw(*function_, c_, ++drawn_, stream, out);
+    expansion_ = calls_->draw(*function_, c_, model_.get(), ++drawn_, stream, out);
     if (density_ && drawn_ <= checked_samples) static_cast<void>(density_->at_sample(out));
     return 0;
   }
-  [[nodiscard]] std::uint32_t vertex() const override { return node_; }
+  [[nodiscard]] std::uint32_t vertex() const override { return expansion_.node; }
+  std::uint32_t draw_control(Stream&, const ControlQuery& query, MutableView control) override {
+    std::copy(expansion_.control.begin(), expansion_.control.end(), control.begin());
+    return std::min(expansion_.steps, query.longest);
+  }
   void record(DensityRecord& record, double share) const override {
     if (density_) {
       record.add(density_, share);
@@ -374,15 +417,18 @@ class FunctionHeuristic final : public Heuristic {
  private:
   std::shared_ptr<const Calls> calls_;
   Space c_;
+  std::shared_ptr<const MotionModel> model_;  ///< nullptr: motions of C are straight
   std::shared_ptr<const Reference> function_;
   std::shared_ptr<const FunctionDensity> density_;
-  std::uint32_t node_ = no_node;  ///< to extend towards the last sample
+  Calls::Expansion expansion_;  ///< towards the last sample
   std::uint64_t drawn_ = 0;
 };
 
 /// The table argument of 'observe'.
 class OutcomeTable {
  public:
+  /// \param model  of C; nullptr: its motions are straight
+  explicit OutcomeTable(const MotionModel* model) : dt_(model != nullptr ? model->dt() : 0.0) {}
   void push(Stack& stack, const Outcome& outcome, bool mine) {
     if (!table_) make(stack);
     table_->push(stack);
@@ -391,13 +437,24 @@ class OutcomeTable {
     stack.set_field(table, "fate");
     stack.push(mine);
     stack.set_field(table, "mine");
-    if (outcome.added_row == no_node) {
+    const auto push_row = [&](std::uint32_t row, const char* name) {
+      if (row == no_node) {
+        stack.push_nil();
+      } else {
+        stack.push(static_cast<double>(row));
+      }
+      stack.set_field(table, name);
+    };
+    push_row(outcome.added_row, "number");
+    push_row(outcome.near_row, "near_number");
+    if (outcome.control.empty()) {
       stack.push_nil();
     } else {
-      stack.push(static_cast<double>(outcome.added_row));
+      stack.push(dt_ * static_cast<double>(outcome.steps));
     }
-    stack.set_field(table, "number");
-    const std::array<View, 4> views = {outcome.proposal, outcome.near, outcome.added, outcome.blocked_at};
+    stack.set_field(table, "duration");
+    const std::array<View, 5> views = {outcome.proposal, outcome.near, outcome.added, outcome.blocked_at,
+                                       outcome.control};
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (views[i].empty()) {
         stack.push_nil();
@@ -411,7 +468,7 @@ class OutcomeTable {
   }
 
  private:
-  static constexpr std::array<const char*, 4> names = {"proposal", "near", "added", "blocked_at"};
+  static constexpr std::array<const char*, 5> names = {"proposal", "near", "added", "blocked_at", "control"};
 
   void make(Stack& stack) {
     const int before = stack.size();
@@ -421,7 +478,8 @@ class OutcomeTable {
   }
 
   std::unique_ptr<Reference> table_;
-  std::array<std::unique_ptr<Reference>, 4> lists_;
+  std::array<std::unique_ptr<Reference>, 5> lists_;
+  double dt_;
 };
 
 class ScriptGuide;
@@ -429,8 +487,9 @@ class ScriptGuide;
 /// h of a user-defined guide: the most recent result of the script, which receives the outcomes.
 class ScriptHeuristic final : public Heuristic {
  public:
-  ScriptHeuristic(ScriptGuide& guide, std::shared_ptr<const Calls> calls, std::unique_ptr<Heuristic> h)
-      : guide_(guide), calls_(std::move(calls)), h_(std::move(h)) {}
+  ScriptHeuristic(ScriptGuide& guide, std::shared_ptr<const Calls> calls, std::unique_ptr<Heuristic> h,
+                  const MotionModel* model)
+      : guide_(guide), calls_(std::move(calls)), h_(std::move(h)), table_(model) {}
 
   Source sample(Stream& stream, MutableView out) override {
     h_->sample(stream, out);
@@ -441,6 +500,9 @@ class ScriptHeuristic final : public Heuristic {
     h_->select_tree(side);
   }
   [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return h_->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return progress_ + h_->progress(); }
   [[nodiscard]] double connected() const override { return h_->connected(); }
@@ -473,6 +535,9 @@ class OwnedHeuristic final : public Heuristic {
   void select_tree(TreeSide side) override { h_->select_tree(side); }
   Source sample(Stream& stream, MutableView out) override { return h_->sample(stream, out); }
   [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return h_->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return h_->progress(); }
   [[nodiscard]] double connected() const override { return h_->connected(); }
@@ -871,7 +936,7 @@ Returned ScriptGuide::read_returned(Stack& stack) const {
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::make(const Returned& returned) {
-  if (!returned.pieces) return std::make_unique<FunctionHeuristic>(calls_, parent_->space, returned);
+  if (!returned.pieces) return std::make_unique<FunctionHeuristic>(calls_, *parent_, returned);
   return compose(*returned.pieces, false);
 }
 
@@ -943,7 +1008,7 @@ std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instan
     GuideSpec path = GuideSpec::make(along(found->path, plain));
     returned.pieces = identity_ ? path : GuideSpec::make(std::make_shared<Lifted>(path));
   }
-  return std::make_unique<ScriptHeuristic>(*this, calls_, make(returned));
+  return std::make_unique<ScriptHeuristic>(*this, calls_, make(returned), parent.motion_model.get());
 }
 
 }  // namespace

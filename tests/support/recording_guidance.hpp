@@ -25,6 +25,9 @@ struct ReportedOutcome {
   bool from_goal = false;
   bool connected = false;
   std::uint32_t added_row = no_node;
+  std::uint32_t near_row = no_node;
+  Configuration control;
+  std::uint32_t steps = 0;
   std::size_t proposals = 0;  ///< number of proposals before the report
 };
 
@@ -48,9 +51,12 @@ class RecordingGuidance final : public Guidance {
   void observe(const Outcome& o, bool mine) override {
     const auto copy = [](View q) { return Configuration(q.begin(), q.end()); };
     outcomes.push_back({mine, o.fate, copy(o.proposal), copy(o.near), copy(o.added), copy(o.blocked_at), o.from_goal,
-                        o.connected, o.added_row, proposals});
+                        o.connected, o.added_row, o.near_row, copy(o.control), o.steps, proposals});
   }
   [[nodiscard]] std::uint32_t vertex() const override { return choose_vertex ? choose_vertex() : no_node; }
+  std::uint32_t draw_control(Stream&, const ControlQuery& query, MutableView control) override {
+    return choose_control ? choose_control(query, control) : 0;
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return !judge_connection || judge_connection(from, to);
   }
@@ -65,6 +71,7 @@ class RecordingGuidance final : public Guidance {
   std::vector<double> lengths;
   std::size_t proposals = 0;
   std::function<std::uint32_t()> choose_vertex;
+  std::function<std::uint32_t(const ControlQuery&, MutableView)> choose_control;
   std::function<bool(View, View)> judge_connection;
   std::function<std::optional<double>(View, View)> weigh_edge;
   Configuration always;  ///< if not empty: every proposal

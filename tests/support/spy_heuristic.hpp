@@ -2,6 +2,7 @@
 // A heuristic that records every call of a planner and returns unique values.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,6 +20,12 @@ struct HeardCalls {
   std::vector<std::pair<Configuration, Configuration>> connections;
   std::vector<std::pair<Configuration, Configuration>> edges;
   std::vector<double> lengths;
+  struct Query {
+    Configuration from, proposal;
+    std::uint32_t row = no_node;
+    std::uint32_t longest = 0;
+  };
+  std::vector<Query> controls;
   int restarts = 0;
   int vertices = 0;
   int progresses = 0;
@@ -28,6 +35,9 @@ struct HeardCalls {
     bool from_goal = false;
     bool connected = true;
     std::uint32_t added_row = no_node;
+    std::uint32_t near_row = no_node;
+    Configuration control;
+    std::uint32_t steps = 0;
     bool mine = false;
   };
   std::vector<Observed> outcomes;
@@ -40,6 +50,8 @@ class SpyHeuristic final : public PathFollower {
   static constexpr double metres = 2.5;
   static constexpr double factor = 3.0;
   static constexpr double atoms = 0.25;
+  static constexpr std::uint32_t steps = 3;
+  static constexpr double control = 0.25;  ///< each number of it
 
   /// \param named  the row that `vertex` names
   SpyHeuristic(const Space& space, std::shared_ptr<HeardCalls> calls, std::uint32_t named = row)
@@ -59,6 +71,11 @@ class SpyHeuristic final : public PathFollower {
   [[nodiscard]] std::uint32_t vertex() const override {
     ++calls_->vertices;
     return named_;
+  }
+  std::uint32_t draw_control(Stream&, const ControlQuery& query, MutableView drawn) override {
+    calls_->controls.push_back({copy(query.from), copy(query.proposal), query.row, query.longest});
+    std::fill(drawn.begin(), drawn.end(), control);
+    return std::min(steps, query.longest);
   }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     calls_->connections.emplace_back(copy(from), copy(to));
@@ -82,7 +99,7 @@ class SpyHeuristic final : public PathFollower {
   }
   void observe(const Outcome& o, bool mine) override {
     calls_->outcomes.push_back({o.fate, copy(o.proposal), copy(o.near), copy(o.added), copy(o.blocked_at), o.from_goal,
-                                o.connected, o.added_row, mine});
+                                o.connected, o.added_row, o.near_row, copy(o.control), o.steps, mine});
   }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"spy", "spy: other"}; }
   [[nodiscard]] Configurations lifted_path() const override { return path_; }

@@ -64,7 +64,8 @@ TEST_CASE("after a dot come the fields of a module or a library") {
 }
 
 TEST_CASE("after a colon comes what can be asked of a value") {
-  CHECK(next("strategy:") == Words{"clearance", "hash", "json", "nearest_obstacle", "scaled", "tree", "valid"});
+  CHECK(next("strategy:") ==
+        Words{"clearance", "drive", "hash", "json", "nearest_obstacle", "scaled", "tree", "valid"});
   CHECK(next("(skeleton() >> rrt {}):tr") == Words{"tree"});
 }
 

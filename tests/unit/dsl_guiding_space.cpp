@@ -272,6 +272,80 @@ TEST_CASE("a function that draws may name the node to extend") {
   CHECK(run_failure(draws + "1, 2, 1, nil end end }", "g >> rrt { proposals = 5 }").empty());
 }
 
+TEST_CASE("a function that draws may choose the control of the extension") {
+  const auto cart = [](const std::string& guide, const std::string& planner = "bound = 0, proposals = 200",
+                       const std::string& motion = "motion.unicycle1 { min_speed = 0, max_speed = 1 }") {
+    return load(
+               "local cart = problem { name = 'cart', world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7} },\n"
+               "  robot = robot.rectangle(0.6, 0.2), start = {1, 1, 0}, goal = {9, 1, 0}, goal_tolerance = 0.1,\n"
+               "  motion = " +
+               motion + " }\nlocal g = " + guide +
+               "\nreturn experiment { problems = cart, strategies = { it = g >> kinodynamic_rrt { goal_bias = 0, "
+               "uniform = 0, " +
+               planner + " } }, measure = false }\n")
+        .experiment;
+  };
+  const auto run = [&](const Experiment& experiment) {
+    return execute(experiment.strategies.front().second, experiment.problems.front(), 1);
+  };
+  // `observe` compares the node, the control and the duration of each extension with those that were chosen.
+  const RunRecord chosen =
+      run(cart("(function() local nodes, last, c = {}, nil, nil\n"
+               "  return guiding_space { name = 'chooses', space = {}, heuristic = function(_, instance)\n"
+               "      c = instance\n"
+               "      assert(c.motion.name == 'unicycle1' and c.motion.dt == 0.1 and #c.motion.controls == 2)\n"
+               "      assert(c.motion.controls[1].lower == 0 and c.motion.controls[1].upper == 1)\n"
+               "      return function(random)\n"
+               "        local from = nodes[#nodes]\n"
+               "        last = { from = from, control = { random(), 0.2 * random() - 0.1 }, duration = 0.1 * (1 + "
+               "#nodes % 5) }\n"
+               "        return { to = {random() * 10, 5, 0}, node = from and from.number, control = last.control,\n"
+               "          duration = last.duration } end end,\n"
+               "    observe = function(o)\n"
+               "      if not o.mine then return end\n"
+               "      assert(o.control[1] == last.control[1] and o.control[2] == last.control[2], 'another control')\n"
+               "      if last.from then assert(o.near_number == last.from.number, 'another node') end\n"
+               "      assert(o.duration <= last.duration + 1e-9, 'too long')\n"
+               "      if not o.added then return end\n"
+               "      local to = c:drive(o.near, o.control, o.duration)\n"
+               "      for i = 1, 3 do assert(to[i] == o.added[i], 'drive ends elsewhere') end\n"
+               "      nodes[#nodes + 1] = { number = o.number }\n"
+               "    end } end)()"));
+  const Search& search = chosen.levels.front().search;
+  CHECK(search.nodes.size() > 20);
+  for (const std::uint32_t steps : search.controls.steps) CHECK(steps <= 5);
+
+  const auto failure = [&](const std::string& result, const std::string& motion = "motion.unicycle1 {}") {
+    try {
+      run(cart("guiding_space { name = 'g', space = {}, heuristic = function(_, instance) return function() return " +
+                   result + " end end }",
+               "proposals = 5", motion));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(failure("{ to = {1, 2, 1} }").empty());
+  CHECK(failure("{ to = {1, 2, 1}, control = {0, 0}, duration = 0.3 }").empty());
+  // Longer than the planner's longest motion: as long as that.
+  CHECK(failure("{ to = {1, 2, 1}, control = {0, 0}, duration = 30 }").empty());
+  CHECK_THAT(failure("{ to = {1, 2, 1}, control = {0}, duration = 0.3 }"),
+             Contains("its sample 1: 'control' must be 2 numbers (speed, angular_speed), the controls of unicycle1"));
+  CHECK_THAT(failure("{ to = {1, 2, 1}, control = {7, 0}, duration = 0.3 }"),
+             Contains("'control': speed is 7, expected"));
+  CHECK_THAT(failure("{ to = {1, 2, 1}, control = {0, 0} }"), Contains("'control' and 'duration' belong together"));
+  CHECK_THAT(failure("{ to = {1, 2, 1}, control = {0, 0}, duration = 0 }"),
+             Contains("'duration' must be a number greater than 0"));
+  CHECK_THAT(failure("{ control = {0, 0}, duration = 1 }"), Contains("needs 'to'"));
+  CHECK_THAT(failure("{ to = {1, 2, 1}, controls = {0, 0} }"), Contains("the field 'controls'") && Contains("control"));
+  CHECK_THAT(failure("{ to = {1, 2, 1}, node = 0.5 }"), Contains("'node' is 0.5, expected the number of a node"));
+  CHECK_THAT(failure("{ to = instance:drive({1, 1, 0}, {0, 9}, 1) }"),
+             Contains("instance:drive: control: angular_speed is 9"));
+  CHECK_THAT(run_failure("guiding_space { name = 'g', space = {}, heuristic = function() return function()\n"
+                         "  return { to = {1, 2, 1}, control = {0, 0}, duration = 1 } end end }"),
+             Contains("'control' needs a motion model"));
+}
+
 TEST_CASE("shapes have a kind, a name, bounds and vertices, and cannot be changed") {
   const std::string world =
       "local w = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7, name = 'left'}, disc {1, 8, 0.5}, "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Kinodynamic robots: the record of their paths, and the planners that are rejected.
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/recording_guidance.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -99,4 +101,80 @@ TEST_CASE("a planner that cannot respect the motion model is refused, and one th
   CHECK_THROWS_WITH(
       check(strategy({GuideSpec::make("holonomic", {}, PlannerSpec::make("kinodynamic_rrt", {}))}), driven),
       Contains("level 1") && Contains("kinodynamic_rrt drives a motion model"));
+}
+
+TEST_CASE("each extension of a kinodynamic tree is recorded as node, proposal, control and result", "[kinodynamic]") {
+  for (const std::string extend : {"controls", "curves"}) {
+    CAPTURE(extend);
+    const Problem problem = test::driven(test::cup_problem(), "unicycle1");
+    const MotionModel& model = *problem.motion_model;
+    for (const bool guided : {false, true}) {
+      const RunRecord run =
+          execute(strategy(guided ? std::vector{GuideSpec::make("holonomic", {})} : std::vector<GuideSpec>{}, extend),
+                  problem, 3);
+      const Search& search = run.levels.front().search;
+      const ControlRecord& record = search.controls;
+      CHECK(record.longest == 10);
+      CHECK(record.dt == 0.1);
+      CHECK(record.curves == (extend == "curves"));
+      REQUIRE(record.ends.size() == search.proposals.size());
+      REQUIRE(record.ends.back() == record.steps.size());
+      REQUIRE(record.driven.size() == record.steps.size());
+      std::size_t several = 0;
+      for (std::size_t i = 0; i < record.ends.size(); ++i) {
+        // Driven from the node that was extended, the controls end at the node that was added.
+        const View near = search.nodes[search.near[i]];
+        Configuration at(near.begin(), near.end());
+        std::uint32_t driven = 0;
+        for (std::size_t k = record.begin_of(i); k < record.ends[i]; ++k) {
+          CHECK(model.allows(record.controls[k]));
+          CHECK(record.driven[k] <= record.steps[k]);
+          driven += record.driven[k];
+          for (std::uint32_t n = 0; n < record.driven[k]; ++n) {
+            model.step(problem.space, at, record.controls[k], at);
+          }
+        }
+        several += record.ends[i] - record.begin_of(i) > 1 ? 1 : 0;
+        CHECK(driven <= record.longest);
+        REQUIRE((driven == 0) == (search.added[i] == no_node));
+        if (driven > 0) CHECK(std::ranges::equal(at, search.nodes[search.added[i]]));
+      }
+      CHECK((several > 0) == record.curves);
+    }
+  }
+}
+
+TEST_CASE("a guidance chooses the control of an extension", "[kinodynamic]") {
+  test::PlannerRun run("kinodynamic_rrt", test::driven(test::cup_problem()), 1, {{"proposals", std::int64_t{200}}});
+  std::vector<Configuration> chosen;
+  run.guidance.choose_control = [&](const ControlQuery& query, MutableView control) {
+    CHECK(query.longest == 10);
+    CHECK(std::ranges::equal(query.from, std::as_const(run.search.nodes)[query.row]));
+    CHECK(std::ranges::equal(query.proposal, run.search.proposals.back()));
+    control[0] = 0.01 * static_cast<double>(chosen.size() % 100);
+    control[1] = -0.5;
+    chosen.emplace_back(control.begin(), control.end());
+    return static_cast<std::uint32_t>(1 + chosen.size() % 4);
+  };
+  run.solve();
+  const ControlRecord& record = run.search.controls;
+  REQUIRE(chosen.size() == run.search.proposals.size());
+  std::size_t at = 0;
+  for (const auto& outcome : run.guidance.outcomes) {
+    if (!outcome.mine) continue;
+    REQUIRE(outcome.control == chosen[at]);
+    CHECK(outcome.near_row == run.search.near[at]);
+    CHECK(outcome.steps == record.driven[at]);
+    CHECK(record.steps[at] == 1 + (at + 1) % 4);
+    ++at;
+  }
+  CHECK(at == chosen.size());
+  // A control out of its bounds is a fault of the guide.
+  test::PlannerRun wrong("kinodynamic_rrt", test::driven(test::cup_problem()), 1);
+  wrong.guidance.choose_control = [](const ControlQuery&, MutableView control) {
+    control[0] = 5.0;
+    control[1] = 0.0;
+    return std::uint32_t{1};
+  };
+  CHECK_THROWS_AS(wrong.solve(), Fault);
 }

@@ -109,6 +109,19 @@ void check_forwards(Wrapped w) {
   CHECK(se2.contains(q));
   CHECK(h.vertex() == SpyHeuristic::row);
   CHECK_FALSE(h.worth_connecting(a, b));
+  std::vector<double> control(2);
+  CHECK(h.draw_control(stream, {a, 5, b, 9}, control) == SpyHeuristic::steps);
+  CHECK(control == std::vector(2, SpyHeuristic::control));
+  std::size_t drew = 0;
+  for (const auto& calls : w.calls) {
+    drew += calls->controls.size();
+    for (const auto& query : calls->controls) {
+      CHECK(std::pair(query.from, query.proposal) == pair);
+      CHECK(query.row == 5);
+      CHECK(query.longest == 9);
+    }
+  }
+  CHECK(drew == 1);
   std::size_t asked = 0;
   for (const auto& calls : w.calls) {
     asked += calls->connections.size();
@@ -136,6 +149,9 @@ void check_forwards(Wrapped w) {
   outcome.from_goal = true;
   outcome.connected = false;
   outcome.added_row = 42;
+  outcome.near_row = 41;
+  outcome.control = control;
+  outcome.steps = 2;
   h.observe(outcome, true);
   h.observe(rejected(a), false);
   CHECK(h.epoch() > before);
@@ -151,6 +167,9 @@ void check_forwards(Wrapped w) {
     CHECK(heard.from_goal);
     CHECK_FALSE(heard.connected);
     CHECK(heard.added_row == 42);
+    CHECK(heard.near_row == 41);
+    CHECK(heard.control == control);
+    CHECK(heard.steps == 2);
     mine += heard.mine ? 1 : 0;
     const HeardCalls::Observed& second = calls->outcomes.back();
     CHECK(second.connected);

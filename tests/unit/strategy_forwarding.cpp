@@ -127,6 +127,24 @@ TEST_CASE("every call of a planner reaches the heuristic, whatever stands betwee
       Heard anytime;
       run(anytime, planner("rrt_star", 2000, 0.3));
       CHECK_FALSE(anytime.h->lengths.empty());
+      // The control of a guided proposal is the heuristic's, that of another one the planner's.
+      Heard driven;
+      const Problem cart = test::driven(test::simple_passage_problem());
+      const RunRecord drove = execute(one.combine(driven) >> planner("kinodynamic_rrt", 300, 0.2), cart, 1, options);
+      const Search& search = drove.levels.front().search;
+      const ControlRecord& record = search.controls;
+      REQUIRE(record.ends.size() == search.proposals.size());
+      std::size_t own = 0;
+      for (std::size_t i = 0; i < record.ends.size(); ++i) {
+        REQUIRE(record.ends[i] == i + 1);
+        const bool spies =
+            record.controls[i][0] == SpyHeuristic::control && record.controls[i][1] == SpyHeuristic::control;
+        CHECK(spies == (search.proposal_sources[i] >= 3));
+        if (spies) CHECK(record.steps[i] == SpyHeuristic::steps);
+        own += spies ? 0 : 1;
+      }
+      CHECK(own > 20);
+      CHECK(own < record.ends.size());
     }
   }
 }

@@ -35,6 +35,10 @@ std::string difference_of(const Search& x, const Search& y, const std::string& l
   if (x.fates != y.fates || x.near != y.near || x.added != y.added) {
     return fmt::format("what became of the proposals of {} differs", level);
   }
+  if (!same(x.controls.controls, y.controls.controls) || x.controls.steps != y.controls.steps ||
+      x.controls.driven != y.controls.driven || x.controls.ends != y.controls.ends) {
+    return fmt::format("the controls of {} differ", level);
+  }
   if (x.proposal_sources != y.proposal_sources || x.sources != y.sources) {
     return fmt::format("the parts of h that drew the proposals of {} differ", level);
   }

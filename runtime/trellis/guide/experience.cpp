@@ -120,6 +120,9 @@ class RepairedPath final : public PathFollower {
     return 0;
   }
   [[nodiscard]] std::uint32_t vertex() const override { return repairs_ ? no_node : path_->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return repairs_ ? 0 : path_->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return repairs_ || path_->worth_connecting(from, to);
   }

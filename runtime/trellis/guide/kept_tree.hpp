@@ -72,6 +72,9 @@ class TreeAndPath final : public PathFollower {
   void select_tree(TreeSide side) override;
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint32_t vertex() const override { return branch_ ? branch_->from : path_->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return branch_ ? 0 : path_->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return branch_ || path_->worth_connecting(from, to);
   }

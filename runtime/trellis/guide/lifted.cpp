@@ -73,6 +73,13 @@ Guidance::Source LiftedHeuristic::sample(Stream& stream, MutableView out) {
   return source_.empty() ? source : Source{0};
 }
 
+std::uint32_t LiftedHeuristic::draw_control(Stream& stream, const ControlQuery& query, MutableView control) {
+  ControlQuery in_s = query;
+  in_s.from = projected(*projection_, query.from, near_);
+  in_s.proposal = projected(*projection_, query.proposal, proposal_);
+  return inner_->draw_control(stream, in_s, control);
+}
+
 bool LiftedHeuristic::worth_connecting(View from, View to) const {
   return inner_->worth_connecting(projected(*projection_, from, proposal_), projected(*projection_, to, near_));
 }

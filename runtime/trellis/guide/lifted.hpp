@@ -77,6 +77,7 @@ class LiftedHeuristic final : public Heuristic {
   void select_tree(TreeSide side) override { inner_->select_tree(side); }
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint32_t vertex() const override { return inner_->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override;
   [[nodiscard]] bool worth_connecting(View from, View to) const override;
   /// 0 if f does not contract: lengths in S then do not bound those in C.
   [[nodiscard]] double progress() const override { return projection_->contracts() ? inner_->progress() : 0.0; }

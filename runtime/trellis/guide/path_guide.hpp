@@ -255,6 +255,9 @@ class SeveralPaths final : public PathFollower {
   }
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_]->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return parts_[drawn_]->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return parts_[drawn_]->worth_connecting(from, to);
   }

@@ -47,6 +47,9 @@ class SumHeuristic final : public Heuristic {
   void select_tree(TreeSide side) override;
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_].heuristic->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return parts_[drawn_].heuristic->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return parts_[drawn_].heuristic->worth_connecting(from, to);
   }

@@ -46,6 +46,17 @@ struct Outcome {
   /// roadmaps; the planner reports such a vertex again, without a proposal, once it is connected.
   bool connected = true;
   std::uint32_t added_row = no_node;  ///< of `added` in Search::nodes
+  std::uint32_t near_row = no_node;   ///< of `near`; no_node where the planner does not report it
+  View control;                       ///< under which `near` was driven; empty without a motion model, or on a curve
+  std::uint32_t steps = 0;            ///< of the motion model, for which the motion under `control` is valid
+};
+
+/// An extension of which h may choose the control.
+struct ControlQuery {
+  View from;                    ///< the node that is extended
+  std::uint32_t row = no_node;  ///< of the node in Search::nodes
+  View proposal;                ///< the last proposal
+  std::uint32_t longest = 1;    ///< longest duration, in steps of the motion model
 };
 
 /// The heuristic h as a planner uses it: a distribution over the planner's space that receives the results of its
@@ -72,6 +83,16 @@ class Guidance {
   /// The node to extend from towards the last proposal, a row of Search::nodes; no_node for the nearest node. Planners
   /// that choose the node themselves do not call this.
   [[nodiscard]] virtual std::uint32_t vertex() const { return no_node; }
+  /// Chooses the control of the extension of a node towards the last proposal. Planners with a motion model call this
+  /// once for each proposal.
+  /// \param control  receives a number for each control of the model, each within its bounds
+  /// \return the duration in steps of the model, from 1 to `longest`; 0: the planner chooses the control itself
+  virtual std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) {
+    static_cast<void>(stream);
+    static_cast<void>(query);
+    static_cast<void>(control);
+    return 0;
+  }
   /// Whether to check a motion beyond the last proposal: RRT's motion to the goal, or RRT-Connect's motion between the
   /// trees.
   [[nodiscard]] virtual bool worth_connecting(View from, View to) const {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/motion/steering.hpp>
@@ -31,8 +32,10 @@ const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
           "rapidly-exploring random tree that drives the problem's motion model: from the node nearest to a proposal, "
           "under the one of several random controls that comes nearest to it",
           "LaValle and Kuffner 2001, Randomized kinodynamic planning")
-          .integer("controls", &KinodynamicRrtSettings::controls, "controls", Range::at_least(1),
-                   "random controls, each for a random duration, that are tried for a proposal before one is checked")
+          .integer(
+              "controls", &KinodynamicRrtSettings::controls, "controls", Range::at_least(1),
+              "random controls, each for a random duration, that are tried for a proposal before one is checked; a "
+              "guide may choose the control of a proposal that it drew, and then none is")
           .number("longest", &KinodynamicRrtSettings::longest, "s", Range::positive(),
                   "the longest duration of a control, or of an extension along a curve; a whole number of the model's "
                   "steps, at least one")
@@ -57,7 +60,13 @@ class KinodynamicRrt final : public StartTreePlanner {
         most_steps_(steps_of(settings.longest, model_.dt())),
         state_(dimension()),
         control_(model_.controls().size()),
-        best_control_(model_.controls().size()) {}
+        best_control_(model_.controls().size()) {
+    ControlRecord& record = context_.search.controls;
+    if (record.longest == 0) record.controls = Configurations(model_.controls().size());
+    record.longest = static_cast<std::uint32_t>(most_steps_);
+    record.curves = curves_;
+    record.dt = model_.dt();
+  }
 
  protected:
   void plant() override {
@@ -94,9 +103,14 @@ class KinodynamicRrt final : public StartTreePlanner {
     propose(context_, sample_);
     const auto near = tree_->to_extend(sample_);
     const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
-    const Trajectory trajectory = trajectory_from(from);
+    const Trajectory trajectory = trajectory_from(from, tree_->row(near.id));
     const Driven driven = drive(from, trajectory, most_steps_);
+    record_controls(trajectory, driven);
     Outcome outcome;
+    if (trajectory.steps.size() == 1) {
+      outcome.control = std::as_const(trajectory.controls).front();
+      outcome.steps = driven.ends.empty() ? 0 : driven.ends.back();
+    }
     outcome.proposal = sample_;
     outcome.near = from;
     outcome.blocked_at = driven.blocked;
@@ -200,8 +214,30 @@ class KinodynamicRrt final : public StartTreePlanner {
     return parent;
   }
 
-  /// The trajectory from a node towards the proposal.
-  Trajectory trajectory_from(View from) {
+  /// Records the controls of a motion towards the proposal.
+  void record_controls(const Trajectory& trajectory, const Driven& driven) const {
+    ControlRecord& record = context_.search.controls;
+    std::uint32_t before = 0;
+    for (std::size_t i = 0; i < trajectory.steps.size(); ++i) {
+      record.controls.push(trajectory.controls[i]);
+      record.steps.push_back(trajectory.steps[i]);
+      const std::uint32_t end = i < driven.ends.size() ? driven.ends[i] : before;
+      record.driven.push_back(end - std::exchange(before, end));
+    }
+    record.ends.push_back(static_cast<std::uint32_t>(record.steps.size()));
+  }
+
+  /// The trajectory from a node towards the proposal: under the control that the guidance draws, along a curve, or
+  /// under a random control.
+  Trajectory trajectory_from(View from, std::uint32_t row) {
+    const auto longest = static_cast<std::uint32_t>(most_steps_);
+    if (const std::uint32_t steps =
+            context_.guidance.draw_control(context_.proposals, {from, row, sample_, longest}, control_)) {
+      if (steps > longest || !model_.allows(control_)) throw Fault("a guide drew a control out of its bounds");
+      Trajectory trajectory{Configurations(model_.controls().size()), {steps}, model_.dt()};
+      trajectory.controls.push(control_);
+      return trajectory;
+    }
     if (curves_) {
       auto curve = steer_at(model_, from, sample_, context_.proposals.uniform());
       if (curve && !curve->steps.empty()) return std::move(*curve);
@@ -221,6 +257,7 @@ class KinodynamicRrt final : public StartTreePlanner {
       outcome.added = std::as_const(driven.states)[driven.ends[i] - 1];
       const auto id = last - static_cast<std::uint32_t>(driven.ends.size() - 1 - i);
       outcome.near = (*tree_)[tree_->parent(id)];
+      outcome.near_row = tree_->row(tree_->parent(id));
       outcome.added_row = tree_->row(id);
       context_.guidance.observe(outcome, false);
     }

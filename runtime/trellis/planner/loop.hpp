@@ -186,6 +186,7 @@ inline void record_outcome(PlannerContext& context, Outcome outcome, std::uint32
   context.search.near.push_back(near);
   context.search.added.push_back(added);
   outcome.added_row = added;
+  outcome.near_row = near;
   context.guidance.observe(outcome, true);
 }
 

@@ -39,6 +39,20 @@ struct Budget {
   double seconds = unlimited;  ///< wall-clock seconds, over all solves of the level
 };
 
+/// The controls under which a planner with a motion model extended nodes towards its proposals.
+struct ControlRecord {
+  Configurations controls;            ///< of each piece of a motion
+  std::vector<std::uint32_t> steps;   ///< of each piece: its duration as chosen, in steps of the model
+  std::vector<std::uint32_t> driven;  ///< of each piece: how many of its steps are valid and part of the tree
+  std::vector<std::uint32_t> ends;    ///< for each proposal, one more than the index of its last piece
+  std::uint32_t longest = 0;          ///< the planner's longest motion, in steps
+  bool curves = false;                ///< the planner drives along curves where it can
+  double dt = 0.0;                    ///< duration of a step, in seconds
+
+  /// The index of the first piece of a proposal's motion.
+  [[nodiscard]] std::size_t begin_of(std::size_t proposal) const { return proposal == 0 ? 0 : ends[proposal - 1]; }
+};
+
 /// The record of a level's search over all its solves: the source of all reports and measures.
 struct Search {
   Configurations nodes;                ///< nodes of the tree or roadmap in order of insertion, the start first
@@ -49,6 +63,7 @@ struct Search {
   std::vector<std::uint32_t> added;    ///< for each proposal, the node that was added; no_node if none
   std::vector<Guidance::Source> proposal_sources;  ///< for each proposal, the part of h that drew it
   std::vector<std::string> sources;                ///< names of the parts of h
+  ControlRecord controls;                          ///< empty without a motion model
   DensityRecord density;                           ///< distribution of h over all proposals
   /// For each node, whether its validity was checked; empty if all nodes were checked. Unchecked nodes of a lazy
   /// roadmap cost no checks, so the measure leaves them out.

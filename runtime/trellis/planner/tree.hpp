@@ -178,6 +178,7 @@ inline void report_nodes(PlannerContext& context, const Tree& tree, bool from_go
   for (std::uint32_t id = 0; id < tree.size(); ++id) {
     outcome.proposal = tree[id];
     outcome.near = tree[tree.parent(id)];
+    outcome.near_row = tree.row(tree.parent(id));
     outcome.added = tree[id];
     outcome.added_row = tree.row(id);
     context.guidance.observe(outcome, false);

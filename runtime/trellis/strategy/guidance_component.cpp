@@ -146,6 +146,9 @@ class ComponentGuidance final : public SearchedGuidance {
     return 0;
   }
   [[nodiscard]] std::uint32_t vertex() const override { return heuristic_->vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return heuristic_->draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     return !heuristic_ || heuristic_->worth_connecting(from, to);
   }

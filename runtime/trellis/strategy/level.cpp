@@ -229,6 +229,10 @@ void fit(Search& search) {
   fit(search.near);
   fit(search.added);
   fit(search.proposal_sources);
+  fit(search.controls.controls);
+  fit(search.controls.steps);
+  fit(search.controls.driven);
+  fit(search.controls.ends);
   fit(search.validated);
   fit(search.edges);
 }

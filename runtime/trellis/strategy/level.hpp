@@ -142,6 +142,10 @@ class LevelGuidance final : public Guidance {
     const Guidance* h = drawn_from();
     return h != nullptr ? h->vertex() : no_node;
   }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    if (drawn_ == Part::guide) return guide_->draw_control(stream, query, control);
+    return drawn_ == Part::informed && informed_.guides() ? informed_.h().draw_control(stream, query, control) : 0;
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     const Guidance* h = drawn_from();
     return h == nullptr || h->worth_connecting(from, to);
@@ -341,6 +345,9 @@ class WatchedGuidance final : public Guidance {
   void restart() override { h_.restart(); }
   [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_.edge_factor(a, b); }
   [[nodiscard]] std::uint32_t vertex() const override { return h_.vertex(); }
+  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
+    return h_.draw_control(stream, query, control);
+  }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_.worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return h_.progress(); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
