@@ -15,6 +15,7 @@
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/experiment/targets.hpp>
 #include <trellis/instance/instance.hpp>
+#include <trellis/motion/steering.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -501,43 +502,155 @@ TEST_CASE("progress in every direction that comes closer gains what is to be gai
   CHECK(gain(0.25 * pi) < 0.0);  // half of the directions that come closer are never taken
 }
 
-TEST_CASE("progress ranks what a driven robot can do, not straight directions", "[scoring]") {
-  // Of its speeds a sixth drive backwards.
-  const MotionKind& unicycle = *find_motion("unicycle1");
-  const auto model = unicycle.make(Options::validate(*unicycle.component, {{"min_speed", -0.1}, {"max_speed", 0.5}}));
+namespace {
+
+/// A level of a driven robot with one node, whose planner drives for at most five steps.
+LevelRecord driven_level(const MotionModel& model) {
   LevelRecord level;
   level.key = "0";
-  level.space = Space::se2({-1000, 1000}, {-1000, 1000});
-  level.goal = {-900, 0, 0};  // the robot looks along x
+  level.space = Space::se2({-10, 10}, {-10, 10});
+  level.goal = {-3, 1, 0.4};
   level.search = Search(3);
-  level.search.nodes.push(std::vector{0.0, 0.0, 0.0});
+  level.search.nodes.push(std::vector{0.0, 0.0, 0.3});
   level.search.parents = {0};
+  level.search.controls.controls = Configurations(model.controls().size());
+  level.search.controls.longest = 5;
+  level.search.controls.dt = model.dt();
+  return level;
+}
+
+/// Adds a motion from the node that was chosen for some steps and driven for less.
+void add_motion(LevelRecord& level, const MotionModel& model, const std::vector<double>& control, std::uint32_t steps,
+                std::uint32_t driven) {
+  Search& search = level.search;
+  search.proposals.push(std::vector{5.0, 5.0, 0.0});  // what it was for does not count
+  search.near.push_back(0);
+  search.controls.controls.push(control);
+  search.controls.steps.push_back(steps);
+  search.controls.driven.push_back(driven);
+  search.controls.ends.push_back(static_cast<std::uint32_t>(search.controls.steps.size()));
+  search.added.push_back(driven > 0 ? static_cast<std::uint32_t>(search.nodes.size()) : no_node);
+  if (driven == 0) return;
+  Configuration at(search.nodes[0].begin(), search.nodes[0].end());
+  for (std::uint32_t k = 0; k < driven; ++k) model.step(level.space, at, control, at);
+  search.nodes.push(at);
+  search.parents.push_back(0);
+}
+
+}  // namespace
+
+TEST_CASE("progress ranks a driven motion among those that its planner could choose", "[scoring]") {
+  const MotionKind& unicycle = *find_motion("unicycle1");
+  const auto model = unicycle.make(Options::validate(*unicycle.component, {{"min_speed", -0.2}, {"max_speed", 0.5}}));
+  LevelRecord level = driven_level(*model);
+  const auto& axes = model->controls();
+  // All controls and durations, by a fine grid.
+  std::vector<double> distances;
+  constexpr int grid = 100;
+  for (int i = 0; i < grid; ++i) {
+    for (int j = 0; j < grid; ++j) {
+      const auto between = [](const ControlAxis& axis, int k) {
+        return axis.lo + (axis.hi - axis.lo) * (k + 0.5) / grid;
+      };
+      const std::vector<double> control = {between(axes[0], i), between(axes[1], j)};
+      Configuration at = {0.0, 0.0, 0.3};
+      for (int k = 0; k < 5; ++k) {
+        model->step(level.space, at, control, at);
+        distances.push_back(level.space.distance(at, level.goal));
+      }
+    }
+  }
+  const auto share_below = [&](double distance) {
+    return static_cast<double>(
+               std::count_if(distances.begin(), distances.end(), [&](double d) { return d < distance; })) /
+           static_cast<double>(distances.size());
+  };
   Stream stream(5, "", "test");
-  for (int i = 0; i < 400; ++i) {
-    const double angle = stream.uniform(-pi, pi);
-    level.search.proposals.push(std::vector{5 * std::cos(angle), 5 * std::sin(angle), 0.0});
-    level.search.near.push_back(0);
+  std::vector<double> chosen;
+  std::vector<double> driven;
+  for (int i = 0; i < 60; ++i) {
+    std::vector<double> control(2);
+    model->sample_control(stream, control);
+    const auto steps = static_cast<std::uint32_t>(1 + stream.below(5));
+    const auto valid = static_cast<std::uint32_t>(stream.below(steps + 1));
+    add_motion(level, *model, control, steps, valid);
+    Configuration at = {0.0, 0.0, 0.3};
+    for (std::uint32_t k = 1; k <= steps; ++k) {
+      model->step(level.space, at, control, at);
+      if (k == valid) driven.push_back(share_below(level.space.distance(at, level.goal)));
+    }
+    chosen.push_back(share_below(level.space.distance(at, level.goal)));
   }
-  const ProgressSettings settings;
-  const Ranks driven = rank_motions(level, false, settings, 1, model.get());
-  const Ranks straight = rank_motions(level, false, settings, 1);
-  REQUIRE(driven.target.target);
-  REQUIRE(straight.target.target);
-  // Controls drawn at random come closer as often as they drive backwards, directions half of the time.
-  const double backwards = 1.0 / 6.0;
-  CHECK(driven.target.target->uniform() == Approx(-std::log(backwards)).margin(0.15));
-  CHECK(straight.target.target->uniform() == Approx(std::log(2.0)).margin(0.15));
-  // A proposal behind the robot is followed by a control that drives backwards.
-  level.search.proposals = Configurations(3);
-  level.search.near.clear();
-  for (int i = 0; i < 50; ++i) {
-    level.search.proposals.push(std::vector{-5.0, 0.0, 0.0});
-    level.search.near.push_back(0);
+  ProgressSettings settings;
+  settings.controls = 4000;
+  const double closer = share_below(level.space.distance(level.search.nodes[0], level.goal));
+  CHECK(closer > 0.1);
+  CHECK(closer < 0.5);
+  for (const bool tree : {false, true}) {
+    const Ranks ranks = rank_motions(level, tree, settings, 1, model.get());
+    const auto& expected = tree ? driven : chosen;
+    REQUIRE(ranks.samples.size() == expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      CAPTURE(tree, i);
+      CHECK(ranks.samples[i][0] == Approx(expected[i]).margin(0.035));
+    }
+    REQUIRE(ranks.target.target);
+    CHECK(ranks.target.target->uniform() == Approx(-std::log(closer)).margin(0.05));
   }
-  const Ranks behind = rank_motions(level, false, settings, 1, model.get());
-  double mean = 0.0;
-  for (std::size_t i = 0; i < behind.samples.size(); ++i) mean += behind.samples[i][0] / 50.0;
-  CHECK(mean < backwards);
+}
+
+TEST_CASE("progress gives a planner's own random controls and curves nothing, and its best controls what they gain",
+          "[scoring]") {
+  const MotionKind& car = *find_motion("car");
+  const auto model = car.make(Options::validate(*car.component, {}));
+  ProgressSettings settings;
+  settings.controls = 64;
+  Stream stream(6, "", "test");
+  const auto gain = [&](int tried, bool curves) {
+    LevelRecord level = driven_level(*model);
+    level.search.controls.curves = curves;
+    for (int i = 0; i < 1500; ++i) {
+      std::vector<double> best(model->controls().size());
+      std::uint32_t best_steps = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (int k = 0; k < tried; ++k) {
+        if (curves) break;
+        std::vector<double> control(best.size());
+        model->sample_control(stream, control);
+        const auto steps = static_cast<std::uint32_t>(1 + stream.below(5));
+        Configuration at = {0.0, 0.0, 0.3};
+        for (std::uint32_t n = 0; n < steps; ++n) model->step(level.space, at, control, at);
+        const double distance = level.space.distance(at, level.goal);
+        if (distance >= least) continue;
+        least = distance;
+        best = control;
+        best_steps = steps;
+      }
+      if (!curves) {
+        add_motion(level, *model, best, best_steps, 0);
+        continue;
+      }
+      Configuration towards(3);
+      level.space.sample_uniform(stream, towards);
+      const auto curve = steer_at(*model, level.search.nodes[0], towards, stream.uniform());
+      REQUIRE(curve);
+      level.search.proposals.push(towards);
+      level.search.near.push_back(0);
+      level.search.added.push_back(no_node);
+      for (std::size_t k = 0; k < curve->steps.size(); ++k) {
+        level.search.controls.controls.push(curve->controls[k]);
+        level.search.controls.steps.push_back(curve->steps[k]);
+        level.search.controls.driven.push_back(0);
+      }
+      level.search.controls.ends.push_back(static_cast<std::uint32_t>(level.search.controls.steps.size()));
+    }
+    const Ranks ranks = rank_motions(level, false, settings, 1, model.get());
+    CHECK(ranks.samples.size() == 1500);
+    return efficiency(*ranks.target.target, ranks.samples).gain;
+  };
+  CHECK(gain(1, false) == Approx(0.0).margin(0.07));
+  CHECK(gain(0, true) == Approx(0.0).margin(0.07));
+  CHECK(gain(3, false) > 0.2);
 }
 
 TEST_CASE("an experiment is scored by progress, whether its runs find paths or not", "[scoring]") {

@@ -15,6 +15,7 @@
 #include <trellis/measure/frame.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 #include <trellis/measure/tube.hpp>
+#include <trellis/motion/steering.hpp>
 
 namespace trellis {
 
@@ -41,24 +42,27 @@ std::vector<std::size_t> all_axes(const Space& space) {
   return axes;
 }
 
-/// Samples the end configurations of motions from a configuration.
-class Steering {
+/// The ends of the motions that a planner could have chosen from a configuration.
+class Choices {
  public:
-  Steering(const Space& space, const MotionModel* model, Stream& stream)
-      : space_(space), model_(model), stream_(stream), direction_(space.degrees()) {
-    if (model != nullptr) control_.resize(model->controls().size());
-  }
+  virtual ~Choices() = default;
+  /// Draws one of them, as the planner does without a guide.
+  /// \return false where there is none
+  virtual bool draw(View from, Configuration& end) = 0;
+};
 
-  /// Computes the end of a random motion of a given length: in any direction, or with a constant random control of the
-  /// motion model until the robot has moved that far. \return false where it leaves the space or the model's limits
-  bool draw(View from, double length, Configuration& end) {
-    if (model_ != nullptr) return drive(from, length, end);
+/// Straight motions of one length in any direction.
+class StraightChoices final : public Choices {
+ public:
+  StraightChoices(const Space& space, Stream& stream) : space_(space), stream_(stream), direction_(space.degrees()) {}
+  void set_length(double length) { length_ = length; }
+  bool draw(View from, Configuration& end) override {
     double square = 0.0;
     for (double& u : direction_) {
       u = stream_.normal();
       square += u * u;
     }
-    const double scale = length / std::sqrt(square);
+    const double scale = length_ / std::sqrt(square);
     if (space_.flat()) {
       for (std::size_t j = 0; j < end.size(); ++j) {
         end[j] = from[j] + scale * direction_[j] / space_.axes()[j].weight;
@@ -71,45 +75,93 @@ class Steering {
     return space_.contains(end);
   }
 
-  /// Computes the end of a motion towards a configuration: straight, or with the one of several random controls that
-  /// ends nearest to it, as planners steer.
-  bool towards(View from, View to, double length, Configuration& end) {
-    const double wanted = space_.distance(from, to);
-    if (model_ == nullptr) {
-      space_.interpolate(from, to, length / wanted, end);
-      return true;
+ private:
+  const Space& space_;
+  Stream& stream_;
+  std::vector<double> direction_;
+  double length_ = 0.0;
+};
+
+/// Drives a model until a control ends, the state leaves the space or the model's limits, or the longest motion is
+/// over. Obstacles do not end a motion, because they do not change what the planner could choose.
+class Driver {
+ public:
+  Driver(const Space& space, const MotionModel& model, std::uint32_t longest)
+      : space_(space), model_(model), longest_(longest), next_(space.dimension()) {}
+  void start(View from) {
+    at_.assign(from.begin(), from.end());
+    left_ = longest_;
+  }
+  /// \return false where the motion ends
+  bool drive(View control, std::uint32_t steps) {
+    for (std::uint32_t k = 0; k < steps && left_ > 0; ++k, --left_) {
+      model_.step(space_, at_, control, next_);
+      if (!space_.contains(next_) || !model_.admits(next_)) return false;
+      std::swap(at_, next_);
     }
-    double nearest = std::numeric_limits<double>::infinity();
-    Configuration option(end.size());
-    for (std::size_t c = 0; c < tried_controls; ++c) {
-      if (!draw(from, length, option)) continue;
-      const double rest = space_.distance(option, to);
-      if (rest >= nearest) continue;
-      nearest = rest;
-      end = option;
+    return left_ > 0;
+  }
+  [[nodiscard]] const Configuration& end() const { return at_; }
+
+ private:
+  const Space& space_;
+  const MotionModel& model_;
+  std::uint32_t longest_;
+  std::uint32_t left_ = 0;
+  Configuration at_;
+  Configuration next_;
+};
+
+/// The motions of a planner with a motion model: under controls and durations drawn uniformly within their bounds; or
+/// along the shortest curves to uniform configurations at uniform speeds, where it drives along curves and there is
+/// one.
+class DrivenChoices final : public Choices {
+ public:
+  DrivenChoices(const Space& space, const MotionModel& model, const ControlRecord& record, Stream& stream)
+      : space_(space),
+        model_(model),
+        record_(record),
+        stream_(stream),
+        driver_(space, model, record.longest),
+        control_(model.controls().size()),
+        towards_(space.dimension()) {}
+
+  bool draw(View from, Configuration& end) override {
+    driver_.start(from);
+    if (!record_.curves || !drive_curve(from)) {
+      model_.sample_control(stream_, control_);
+      driver_.drive(control_, static_cast<std::uint32_t>(1 + stream_.below(record_.longest)));
     }
-    return std::isfinite(nearest);
+    end = driver_.end();
+    return true;
+  }
+  /// The end of the motion that was chosen for a proposal.
+  void end_of(View from, std::size_t proposal, Configuration& end) {
+    driver_.start(from);
+    for (std::size_t k = record_.begin_of(proposal); k < record_.ends[proposal]; ++k) {
+      if (!driver_.drive(record_.controls[k], record_.steps[k])) break;
+    }
+    end = driver_.end();
   }
 
  private:
-  bool drive(View from, double length, Configuration& end) {
-    model_->sample_control(stream_, control_);
-    std::copy(from.begin(), from.end(), end.begin());
-    // Limits the duration of a control that hardly moves the robot, such as braking.
-    for (std::size_t k = 0; k < longest_hold && space_.distance(from, end) < length; ++k) {
-      model_->step(space_, end, control_, end);
-      if (!space_.contains(end) || !model_->admits(end)) return false;
+  bool drive_curve(View from) {
+    space_.sample_uniform(stream_, towards_);
+    const auto curve = steer_at(model_, from, towards_, stream_.uniform());
+    if (!curve || curve->steps.empty()) return false;
+    for (std::size_t k = 0; k < curve->steps.size(); ++k) {
+      if (!driver_.drive(curve->controls[k], curve->steps[k])) break;
     }
     return true;
   }
 
-  static constexpr std::size_t tried_controls = 16;
-  static constexpr std::size_t longest_hold = 20;
   const Space& space_;
-  const MotionModel* model_;
+  const MotionModel& model_;
+  const ControlRecord& record_;
   Stream& stream_;
-  std::vector<double> direction_;
+  Driver driver_;
   std::vector<double> control_;
+  Configuration towards_;
 };
 
 }  // namespace
@@ -150,44 +202,68 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
                    const MotionModel* model) {
   const Space& space = level.space;
   const Search& search = level.search;
-  const std::size_t d = space.dimension();
-  const auto& from = tree ? search.parents : search.near;
-  const Configurations& to = tree ? search.nodes : search.proposals;
 
   const auto controls = static_cast<std::size_t>(settings.controls);
   Stream stream(seed, level.key, tree ? "progress nodes" : "progress proposals");
-  Steering steering(space, model, stream);
 
   const Space ranks = Space::euclidean({{0.0, 1.0}});
   Configurations samples(1);
   std::vector<double> progressing;  // of each motion, the share of its rivals that end closer to the goal
-  Configuration end(d);
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    poll();
-    if (from[i] == no_node || (tree && from[i] == i)) continue;
-    const View x = search.nodes[from[i]];
-    const double wanted = space.distance(x, to[i]);
-    if (!(wanted > 0.0)) continue;
-    const double length = std::min(settings.step, wanted);
-    if (!steering.towards(x, to[i], length, end)) continue;
+  Configuration rival(space.dimension());
+  // Each motion has its own rivals: then the rank of a random motion among them is uniform. Ranks among shared rivals
+  // would be too frequent where the rivals' positions have gaps.
+  const auto rank = [&](View from, View end, Choices& choices) {
     const double reached = space.distance(end, level.goal);
-    const double here = space.distance(x, level.goal);
+    const double here = space.distance(from, level.goal);
     double better = 0.0;
+    double equal = 0.0;
     double closer = 0.0;
     double all = 0.0;
-    // Each motion has its own rivals: then the rank of a random direction among them is uniform. Ranks among shared
-    // rivals would be too frequent where the rivals' positions have gaps.
     for (std::size_t c = 0; c < controls; ++c) {
-      if (!steering.draw(x, length, end)) continue;
-      const double there = space.distance(end, level.goal);
+      if (!choices.draw(from, rival)) continue;
+      const double there = space.distance(rival, level.goal);
       all += 1.0;
       better += there < reached ? 1.0 : 0.0;
+      equal += there == reached ? 1.0 : 0.0;
       closer += there < here ? 1.0 : 0.0;
     }
-    if (closer == 0.0) continue;
-    // Ranks are multiples of 1 / (rivals + 1); the position within its step is arbitrary, so draw it uniformly.
-    samples.push(std::vector<double>{std::min(1.0, (better + stream.uniform()) / (all + 1.0))});
+    if (closer == 0.0) return;
+    // Ranks are multiples of 1 / (rivals + 1); the position within its step, and among equals, is arbitrary, so draw it
+    // uniformly.
+    samples.push(std::vector<double>{std::min(1.0, (better + stream.uniform() * (equal + 1.0)) / (all + 1.0))});
     progressing.push_back(closer / all);
+  };
+  if (model != nullptr && search.controls.longest > 0) {
+    DrivenChoices choices(space, *model, search.controls, stream);
+    Configuration end(space.dimension());
+    for (std::size_t i = 0; i < search.controls.ends.size(); ++i) {
+      poll();
+      if (search.near[i] == no_node || (tree && search.added[i] == no_node)) continue;
+      const View from = search.nodes[search.near[i]];
+      if (tree) {
+        const View added = search.nodes[search.added[i]];
+        end.assign(added.begin(), added.end());
+      } else {
+        choices.end_of(from, i, end);
+      }
+      rank(from, end, choices);
+    }
+  } else {
+    StraightChoices choices(space, stream);
+    Configuration end(space.dimension());
+    const auto& from = tree ? search.parents : search.near;
+    const Configurations& to = tree ? search.nodes : search.proposals;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      poll();
+      if (from[i] == no_node || (tree && from[i] == i)) continue;
+      const View x = search.nodes[from[i]];
+      const double wanted = space.distance(x, to[i]);
+      if (!(wanted > 0.0)) continue;
+      const double length = std::min(settings.step, wanted);
+      space.interpolate(x, to[i], length / wanted, end);
+      choices.set_length(length);
+      rank(x, end, choices);
+    }
   }
   Ranks result{{}, std::move(samples)};
   if (progressing.empty()) {

@@ -36,8 +36,8 @@ struct Ranks {
   Configurations samples;
 };
 /// \param tree   the motions that created nodes, from each one's parent; else the proposed motions
-/// \param model  the motion model: motions are ranked among those of its controls; nullptr: among straight motions in
-///     all directions
+/// \param model  the motion model: a motion is ranked among those that the planner could have chosen for it, by the
+///     record of its controls; nullptr: among straight motions in all directions
 /// \return no ranks for planners without a tree
 Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed,
                    const MotionModel* model = nullptr);

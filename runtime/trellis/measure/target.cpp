@@ -142,9 +142,11 @@ const Settings<ProgressSettings>& progress_settings() {
           Settings<ProgressSettings>(
               Component::Kind::target, "progress",
               "controls that bring the robot closer to the goal; a motion's coordinate is its rank "
-              "in [0, 1] among all motions from the same node, 0 the one that comes closest",
+              "in [0, 1] among those that the planner could choose from the same node, 0 the one that comes closest",
               "Attali et al. 2022")
-              .number("step", &ProgressSettings::step, "m in the metric", Range::positive(), "length of a motion")
+              .number("step", &ProgressSettings::step, "m in the metric", Range::positive(),
+                      "length of a motion of a planner without motion model; one with a model has its own controls and "
+                      "durations")
               .integer("controls", &ProgressSettings::controls, "motions", {.lo = 16, .hi = 1e6},
                        "motions that each one is ranked among"),
           "radius of the balls that coverage counts", "ranks")

@@ -55,7 +55,7 @@ const Settings<NearOptimalSettings>& near_optimal_settings();
 /// The target of motions that make progress: T uniform over the controls that move the robot closer to the goal.
 struct ProgressSettings : TargetSettings {
   ProgressSettings() { delta = 0.05; }
-  double step = 0.5;            ///< length of a motion, metres of the metric
+  double step = 0.5;            ///< length of a straight motion, metres of the metric
   std::int64_t controls = 256;  ///< motions to rank each one among
 };
 const Settings<ProgressSettings>& progress_settings();

@@ -102,7 +102,10 @@ std::string target_text(const TargetSpec& target) {
     return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);
   }
   if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
-    return fmt::format("motions of {:g} m that come closer to the goal, by rank among all motions", progress->step);
+    return fmt::format(
+        "motions that come closer to the goal, by rank among those that the planner could choose, straight ones of "
+        "{:g} m",
+        progress->step);
   }
   return "the script's own";
 }
