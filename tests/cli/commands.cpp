@@ -77,7 +77,7 @@ TEST_CASE("files are written where they are asked for") {
   CHECK(json.find("\"script\"") != std::string::npos);
   CHECK(json.find("quick.lua") != std::string::npos);
   for (const std::string seed : {"5", "6"}) {
-    for (const std::string file : {"samples.csv", "path.csv"}) {
+    for (const std::string file : {"samples.csv", "expansions.csv", "path.csv"}) {
       CHECK(fs::file_size(place / ("deep/samples/cup/strategy/seed-" + seed + "/" + file)) > 0);
     }
   }

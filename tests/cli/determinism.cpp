@@ -78,7 +78,7 @@ void add_runs(const std::string& script, const Place& place, Hashes& hashes) {
     }
     const std::string at =
         "samples/" + problem + "/" + directory + "/seed-" + std::to_string(run.at("seed").get<int>()) + "/";
-    for (const std::string file : {"samples.csv", "path.csv"}) {
+    for (const std::string file : {"samples.csv", "expansions.csv", "path.csv"}) {
       REQUIRE(fs::exists(place / (at + file)));
       hash.add(content(place / (at + file)));
     }

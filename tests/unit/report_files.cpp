@@ -8,11 +8,13 @@
 #include <sstream>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/cell.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/folder.hpp"
+#include "support/worlds.hpp"
 
 using namespace trellis;
 namespace fs = std::filesystem;
@@ -92,11 +94,57 @@ TEST_CASE("samples come back as they were", "[report][samples]") {
     }
     CHECK(next == rows.size());
 
+    // The triples: the node, the proposal, which samples.csv has, and the result.
+    const auto expansions = table(place / "expansions.csv");
+    REQUIRE(expansions.front() == std::vector<std::string>{"level", "index", "piece", "fate", "node", "added"});
+    std::size_t row = 1;
+    for (const auto& level : run.levels) {
+      const Search& search = level.record.search;
+      const auto text = [](std::uint32_t node) { return node == no_node ? "" : std::to_string(node); };
+      for (std::size_t i = 0; i < search.proposals.size(); ++i, ++row) {
+        REQUIRE(row < expansions.size());
+        const std::string fate = search.fates[i] == Fate::rejected   ? "rejected"
+                                 : search.fates[i] == Fate::advanced ? "advanced"
+                                                                     : "reached";
+        REQUIRE(expansions[row] == std::vector<std::string>{std::to_string(level.record.level), std::to_string(i), "0",
+                                                            fate, text(search.near[i]), text(search.added[i])});
+      }
+    }
+    CHECK(row == expansions.size());
+
     const auto path = table(place / "path.csv");
     REQUIRE(path.front() == std::vector<std::string>{"q1", "q2", "q3"});
     REQUIRE(path.size() == 1 + run.run.path.size());
     for (std::size_t i = 0; i < run.run.path.size(); ++i) {
       for (std::size_t j = 0; j < 3; ++j) CHECK(number(path[1 + i][j]) == run.run.path[i][j]);
+    }
+  }
+}
+
+TEST_CASE("expansions of a driven robot have the controls of each motion", "[report][samples]") {
+  for (const std::string extend : {"controls", "curves"}) {
+    const Problem problem = test::driven(test::cup_problem());
+    ExperimentResult result;
+    result.runs.push_back(
+        run_cell("it", StrategySpec(PlannerSpec::make("kinodynamic_rrt", {{"extend", extend}})), problem, 2));
+    const test::Folder folder;
+    write_samples(result, folder.path().string());
+    const auto rows = table(folder.path() / "cup-by-unicycle1" / "it" / "seed-2" / "expansions.csv");
+    REQUIRE(rows.front() == std::vector<std::string>{"level", "index", "piece", "fate", "node", "added", "u1", "u2",
+                                                     "duration", "driven"});
+    const Search& search = result.runs.front().levels.front().record.search;
+    const ControlRecord& record = search.controls;
+    REQUIRE(rows.size() == 1 + record.steps.size());
+    std::size_t row = 1;
+    for (std::size_t i = 0; i < record.ends.size(); ++i) {
+      for (std::size_t k = record.begin_of(i); k < record.ends[i]; ++k, ++row) {
+        CHECK(rows[row][1] == std::to_string(i));
+        CHECK(rows[row][2] == std::to_string(k - record.begin_of(i)));
+        CHECK(rows[row][4] == std::to_string(search.near[i]));
+        for (std::size_t j = 0; j < 2; ++j) CHECK(number(rows[row][6 + j]) == record.controls[k][j]);
+        CHECK(number(rows[row][8]) == 0.1 * record.steps[k]);
+        CHECK(number(rows[row][9]) == 0.1 * record.driven[k]);
+      }
     }
   }
 }

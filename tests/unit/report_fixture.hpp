@@ -77,6 +77,8 @@ inline LevelRecord level(int index, std::string key, std::string name, Space spa
   for (std::size_t i = 0; i < 2 * nodes; ++i) {
     r.search.fates.push_back(i % 2 == 0 ? Fate::rejected : Fate::reached);
     r.search.proposal_sources.push_back(i % 10 == 0 ? 0 : 1);
+    r.search.near.push_back(static_cast<std::uint32_t>(i / 2));
+    r.search.added.push_back(i % 2 == 0 ? no_node : static_cast<std::uint32_t>(i / 2));
   }
   r.search.checks = {.validity = 30 * nodes, .motion = 2 * nodes};
   r.search.seconds = 1e-5 * static_cast<double>(nodes);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string_view>
@@ -61,6 +62,63 @@ std::string samples_csv(const RunResult& run) {
   return out;
 }
 
+std::string_view fate_name(Fate fate) {
+  switch (fate) {
+    case Fate::reached: return "reached";
+    case Fate::advanced: return "advanced";
+    case Fate::rejected: break;
+  }
+  return "rejected";
+}
+
+/// Appends the extensions of a level: the node, the proposal that it was extended towards, and the result; with a
+/// motion model a row for each control of the motion.
+void append_expansions(std::string& out, const LevelRecord& record, std::size_t controls) {
+  const Search& search = record.search;
+  const auto append_row = [&](std::uint32_t row) {
+    out += ',';
+    if (row != no_node) append_number(out, row);
+  };
+  const std::size_t count = std::min({search.proposals.size(), search.fates.size(), search.near.size()});
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool driven = i < search.controls.ends.size();
+    const std::size_t begin = driven ? search.controls.begin_of(i) : 0;
+    const std::size_t pieces = driven ? search.controls.ends[i] - begin : 1;
+    for (std::size_t k = 0; k < pieces; ++k) {
+      append_number(out, record.level);
+      out += ',';
+      append_number(out, i);
+      out += ',';
+      append_number(out, k);
+      out += ',';
+      out += fate_name(search.fates[i]);
+      append_row(search.near[i]);
+      append_row(search.added[i]);
+      if (controls > 0) {
+        append_coordinates(out, driven ? search.controls.controls[begin + k] : View(), controls);
+        out += ',';
+        if (driven) append_number(out, search.controls.dt * search.controls.steps[begin + k]);
+        out += ',';
+        if (driven) append_number(out, search.controls.dt * search.controls.driven[begin + k]);
+      }
+      out += '\n';
+    }
+  }
+}
+
+std::string expansions_csv(const RunResult& run) {
+  std::size_t controls = 0;
+  for (const auto& level : run.levels) {
+    controls = std::max(controls, level.record.search.controls.controls.dimension());
+  }
+  std::string out = "level,index,piece,fate,node,added";
+  for (std::size_t j = 0; j < controls; ++j) out += fmt::format(",u{}", j + 1);
+  if (controls > 0) out += ",duration,driven";
+  out += '\n';
+  for (const auto& level : run.levels) append_expansions(out, level.record, controls);
+  return out;
+}
+
 std::string path_csv(const RunResult& run) {
   const std::size_t columns =
       run.levels.empty() ? run.run.path.dimension() : run.levels.front().record.space.dimension();
@@ -86,6 +144,7 @@ void write_samples(const ExperimentResult& result, const std::string& directory)
                            fmt::format("seed-{}", run.seed);
     make_directory(place.string());
     write_file((place / "samples.csv").string(), samples_csv(run), Flush::none);
+    write_file((place / "expansions.csv").string(), expansions_csv(run), Flush::none);
     write_file((place / "path.csv").string(), path_csv(run), Flush::none);
   }
 }
