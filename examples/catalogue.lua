@@ -24,6 +24,7 @@ return experiment {
     { "skeleton",    skeleton() >> tree },
     { "decomposition", decomposition() >> tree },
     { "holonomic",   holonomic() >> tree },
+    { "blossom",     blossom() >> tree },
     { "joints",      joints { "x", "y" } >> tree },
     { "pca",         pca(2) >> tree },
     -- environment modification

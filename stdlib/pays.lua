@@ -273,6 +273,7 @@ pays.catalogue = native.define({
     { "skeleton", skeleton() },
     { "decomposition", decomposition() },
     { "holonomic", holonomic() },
+    { "blossom", blossom() },
     { "joints", joints { "x", "y" } },
     { "pca", pca(2) },
     { "widen", widen(0.1) },

@@ -74,7 +74,7 @@ std::vector<std::string> other_examples() {
   }
   // scripts/pays runs pays.lua, for a quarter of an hour; the tests of the command line run it in part.
   for (const auto* elsewhere :
-       {"nested.lua", "guiding_space.lua", "paper.lua", "parasol.lua", "kinodynamic.lua", "pays.lua"}) {
+       {"nested.lua", "guiding_space.lua", "paper.lua", "parasol.lua", "kinodynamic.lua", "controls.lua", "pays.lua"}) {
     REQUIRE(std::erase(names, elsewhere) == 1);
   }
   std::sort(names.begin(), names.end());
@@ -450,6 +450,25 @@ SCENARIO("driven robots are guided by what forgets that they are driven", "[exam
           CHECK(run["path"].size() == steps + 1);
           CHECK(trajectory["controls"].size() == trajectory["steps"].size());
           CHECK(trajectory["duration_s"].get<double>() == Approx(0.1 * static_cast<double>(steps)));
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("a guide draws controls, in Lua and in C++", "[examples][slow]") {
+  GIVEN("a cart and a sledge among racks, 10 seeds each") {
+    const Result& result = run("controls.lua");
+    INFO(result.outcome.err);
+    REQUIRE(result.outcome.status == 0);
+    THEN("every guided run arrives, and is ranked by the controls that it chose") {
+      for (const auto* strategy : {"steer", "blossom"}) {
+        const auto runs = runs_of(result.document, strategy);
+        REQUIRE(runs.size() == 20);
+        for (const auto& run : runs) {
+          CAPTURE(strategy, run["problem"].get<std::string>(), run["seed"].get<int>());
+          CHECK(run["solved"] == true);
+          CHECK(run["levels"][0]["efficiency"]["expansion"]["value"].is_number());
         }
       }
     }

@@ -41,7 +41,7 @@ local point = guiding_space {
   heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end,
 }
 local all = {
-  zigzag, goal, point, workspace(), decomposition(), holonomic(), joints { "x", "y" }, pca(2), widen(0.1), drop(),
+  zigzag, goal, point, workspace(), decomposition(), holonomic(), blossom(), joints { "x", "y" }, pca(2), widen(0.1), drop(),
   aggregate(), uniform(), bridge_test(0.6), obstacle_based(), medial_axis(), halton(), informed { cost = 30 },
 }
 local strategies = {}

@@ -178,3 +178,16 @@ TEST_CASE("a guidance chooses the control of an extension", "[kinodynamic]") {
   };
   CHECK_THROWS_AS(wrong.solve(), Fault);
 }
+
+TEST_CASE("blossom drives a robot to its goal under its controls, the same ones each time", "[kinodynamic][blossom]") {
+  for (const std::string model : {"unicycle1", "unicycle2", "car"}) {
+    CAPTURE(model);
+    const Problem problem = test::driven(test::cup_problem(), model);
+    const StrategySpec spec = GuideSpec::make("blossom", {}) >> PlannerSpec::make("kinodynamic_rrt", {{"bound", 0.0}});
+    const RunRecord run = execute(spec, problem, 2);
+    CHECK(run.solved);
+    const RunRecord again = execute(spec, problem, 2);
+    CHECK(std::ranges::equal(run.path.values(), again.path.values()));
+    CHECK(run.validity_checks == again.validity_checks);
+  }
+}

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <set>
 #include <string>
@@ -416,6 +418,85 @@ TEST_CASE("information_gain proposes where its model is least certain, and with 
   CHECK(information[0] + information[1] < 0.05);  // 0.7 of the space
   const auto utility = shares("utility");
   CHECK(utility[1] == 0.0);
+}
+
+TEST_CASE("blossom names a node and draws its controls in the order of the cost to go where they end",
+          "[guide][blossom]") {
+  const Problem problem = test::driven(test::cup_problem(), "unicycle2");
+  const MotionModel& model = *problem.motion_model;
+  constexpr std::int64_t controls = 12;
+  Work w = work("blossom", {{"share", 1.0}, {"controls", controls}, {"heading", std::string("found")}}, problem);
+  REQUIRE(w.found.solved());
+  // The cost to go along the path in S, by points 1 mm apart.
+  const Space& s = w.sub->space;
+  Configurations points(s.dimension());
+  std::vector<double> left;
+  double length = 0.0;
+  for (std::size_t i = w.found.path.size() - 1; i-- > 0;) {
+    const View a = w.found.path[i];
+    const View b = w.found.path[i + 1];
+    const double piece = s.distance(a, b);
+    const auto parts = static_cast<int>(std::ceil(piece / 0.001));
+    Configuration q(s.dimension());
+    for (int k = 0; k <= parts; ++k) {
+      s.interpolate(b, a, static_cast<double>(k) / parts, q);
+      points.push(q);
+      left.push_back(length + piece * k / parts);
+    }
+    length += piece;
+  }
+  const auto to_go = [&](View x) {
+    Configuration q(s.dimension());
+    w.guide->project(x, q);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      least = std::min(least, left[i] + 2.0 * s.distance(points[i], q));
+    }
+    return least;
+  };
+  Stream stream(4, "", "blossom");
+  Configuration q(5);
+  std::vector<double> control(2);
+  std::vector<double> costs;
+  for (std::int64_t i = 0; i < controls; ++i) {
+    w.h->sample(stream, q);
+    CHECK(problem.space.contains(q));
+    const std::uint32_t steps = w.h->draw_control(stream, {w.parent->start, 0, q, 10}, control);
+    if (steps == 0) break;
+    REQUIRE(steps <= 10);
+    REQUIRE(model.allows(control));
+    Configuration at = w.parent->start;
+    for (std::uint32_t k = 0; k < steps; ++k) model.step(problem.space, at, control, at);
+    CHECK(problem.space.contains(at));
+    costs.push_back(to_go(at));
+    if (i == 0) {
+      // The best control of the start becomes a node, which is extended next.
+      Outcome outcome = test::reached(at, 7);
+      outcome.near = w.parent->start;
+      outcome.near_row = 0;
+      w.h->observe(outcome, true);
+      CHECK(costs.front() < to_go(w.parent->start));
+      w.h->sample(stream, q);
+      CHECK(w.h->vertex() == 7);
+    }
+    if (costs.size() == 4) break;
+  }
+  REQUIRE(costs.size() == 4);
+  for (std::size_t i = 1; i < costs.size(); ++i) CHECK(costs[i] > costs[i - 1] - 0.2);
+  // Without progress nodes farther back are extended too, and their controls are new ones.
+  bool back = false;
+  for (int i = 0; i < 400 && !back; ++i) {
+    w.h->sample(stream, q);
+    back = w.h->vertex() != 7;
+    Outcome failed = test::blocked(q);
+    failed.near_row = w.h->vertex();
+    w.h->observe(failed, true);
+  }
+  CHECK(back);
+  // After a restart there is the start alone.
+  w.h->restart();
+  w.h->sample(stream, q);
+  CHECK(w.h->vertex() == no_node);
 }
 
 TEST_CASE("state_cells proposes in cells beside those with a node, and names the node to extend",

@@ -52,7 +52,7 @@ std::vector<const GuideKind*> kinds() {
   std::vector<const GuideKind*> some;
   for (const GuideKind& kind : guide_kinds()) {
     const std::string& name = kind.component->name;
-    if (name != "learned" && name != "holonomic" && name != "experience") some.push_back(&kind);
+    if (name != "learned" && name != "holonomic" && name != "blossom" && name != "experience") some.push_back(&kind);
   }
   return some;
 }

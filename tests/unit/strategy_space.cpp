@@ -57,7 +57,7 @@ void check_path(const Problem& problem, const Configurations& path) {
 
 TEST_CASE("every guide plans for a body in space, or says in a sentence why not", "[strategy][space]") {
   const Problem problem = slot();
-  const std::vector<std::string> planar = {"learned", "holonomic"};
+  const std::vector<std::string> planar = {"learned", "holonomic", "blossom"};
   for (const GuideKind& kind : guide_kinds()) {
     const std::string& name = kind.component->name;
     if (name == "experience") continue;  // needs a library: below
@@ -137,7 +137,7 @@ TEST_CASE("guides nest in pairs, sequences and mixtures above a body in space", 
   std::vector<std::string> names;
   for (const GuideKind& kind : guide_kinds()) {
     const std::string& name = kind.component->name;
-    if (name != "experience" && name != "learned" && name != "holonomic") names.push_back(name);
+    if (name != "experience" && name != "learned" && name != "holonomic" && name != "blossom") names.push_back(name);
   }
   // A guide may refuse the space of another one in a sentence; a fault fails.
   const auto plans_or_says_why = [&](const StrategySpec& strategy) {

@@ -16,8 +16,8 @@ const std::vector<GuideKind>& guide_kinds() {
                                                skeleton_kind(),      shrink_kind(),         joints_kind(),
                                                pca_kind(),           widen_kind(),          lazy_kind(),
                                                drop_kind(),          aggregate_kind(),      holonomic_kind(),
-                                               decomposition_kind(), experience_kind(),     path_database_kind(),
-                                               learned_kind()};
+                                               blossom_kind(),       decomposition_kind(),  experience_kind(),
+                                               path_database_kind(), learned_kind()};
   return kinds;
 }
 

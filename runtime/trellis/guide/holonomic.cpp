@@ -1,33 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fmt/format.h>
+#include <trellis/guide/holonomic.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <memory>
-#include <numeric>
-#include <utility>
-#include <vector>
-
-#include <trellis/base/error.hpp>
-#include <trellis/guide/axis_projection.hpp>
-#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kinds.hpp>
-#include <trellis/guide/path_guide.hpp>
-#include <trellis/guide/plane.hpp>
 
 namespace trellis {
 
 namespace {
 
-struct HolonomicSettings : PathGuideSettings {
-  HolonomicSettings() { follow = Follow::tube; }
-  bool heading_found = false;
-  bool any_speed = false;
-};
-
 const Settings<HolonomicSettings>& holonomic_settings() {
-  static const Settings<HolonomicSettings> settings = with_several_paths(with_path_options(
+  static const Settings<HolonomicSettings> settings = with_holonomic_options(
       Settings<HolonomicSettings>(Component::Kind::guide, "holonomic",
                                   "the robot without its motion model: configurations without velocities, joined by "
                                   "straight motions; one path of it guides, and velocities are drawn uniformly about "
@@ -35,119 +16,9 @@ const Settings<HolonomicSettings>& holonomic_settings() {
                                   "another guide, decomposition",
                                   "the geometric path first, then a tree of motions along it; not the leads of Plaku, "
                                   "Kavraki and Vardi 2007, Discrete search leading continuous exploration for "
-                                  "kinodynamic motion planning")
-          .choice("heading", &HolonomicSettings::heading_found, {{"along", false}, {"found", true}},
-                  "the robot's heading on the path that is followed: \"along\", in the direction of travel, which is "
-                  "how a wheeled robot can follow it; \"found\", as the search in S had it")
-          .choice(
-              "speed", &HolonomicSettings::any_speed, {{"forwards", false}, {"any", true}},
-              "which speeds are drawn where they are part of the state: \"forwards\", those not below 0 where there "
-              "are any; \"any\", all; other velocities are drawn from all there are")));
+                                  "kinodynamic motion planning"));
   return settings;
 }
-
-class Holonomic final : public PathGuide {
- public:
-  explicit Holonomic(const HolonomicSettings& settings)
-      : PathGuide("holonomic", settings), along_(!settings.heading_found), forwards_(!settings.any_speed) {}
-
-  std::unique_ptr<Instance> reduced(const Instance& parent) override {
-    require_plane("holonomic", parent);
-    const std::size_t kept =
-        parent.motion_model ? parent.motion_model->configuration_dimension() : parent.space.dimension();
-    std::vector<std::size_t> axes(kept);
-    std::iota(axes.begin(), axes.end(), std::size_t{0});
-    std::string name = parent.space.name();
-    if (kept < parent.space.dimension()) name.resize(name.rfind(" x "));
-    projection_ = std::make_shared<AxisProjection>(parent.space, axes, name);
-    std::vector<Axis> drawn = parent.space.axes();
-    for (std::size_t j = kept; j < drawn.size(); ++j) {
-      if (forwards_ && drawn[j].name == "v" && drawn[j].hi > 0.0) {
-        drawn[j].lo = std::max(drawn[j].lo, 0.0);
-      }
-    }
-    drawn_ = std::make_shared<AxisProjection>(Space(parent.space.name(), std::move(drawn)), axes, name);
-    auto instance = same_instance(parent);
-    instance->space = projection_->space();
-    instance->motion_model = nullptr;
-    instance->start.resize(kept);
-    for (Configuration& goal : instance->goals) goal.resize(kept);
-    sort_goals(*instance);
-    // S ignores the limits of the motion model. A presumption of C applies to its states, not to this space, so S makes
-    // its own checks.
-    if (parent.motion_model) {
-      instance->validity = make_validity(parent.collision, parent.scene, instance->space, parent.resolution, nullptr);
-    }
-    turns_ = along_ && parent.motion_model != nullptr;
-    return instance;
-  }
-  void attach(Instance& sub) override {
-    PathGuide::attach(sub);
-    sub_ = &sub;
-  }
-
-  void project(View q, MutableView s) const override { projection_->project(q, s); }
-  void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
-
-  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
-    if (found->path.size() < 2) {
-      static_cast<void>(PathGuide::heuristic(*sub_, sub, found));
-      return std::make_unique<UniformHeuristic>("holonomic (found nothing)", parent.space);
-    }
-    const Configuration& goal = goal_choice_.choose(
-        parent, [this](View q, MutableView s) { project(q, s); }, projection_->space(), found->path);
-    // Velocities are drawn from the fibre.
-    return std::make_unique<LiftedHeuristic>(drawn_, drawn_->space(), PathGuide::heuristic(*sub_, sub, found),
-                                             parent.start, goal, LiftedHeuristic::Points::atoms);
-  }
-
-  void learn(const Outcome& outcome) override {
-    if (outcome.added.empty()) return;
-    Configuration s(projection_->space().dimension());
-    projection_->project(outcome.added, s);
-    Outcome below;
-    below.added = s;
-    below.connected = outcome.connected;
-    below.from_goal = outcome.from_goal;
-    PathGuide::learn(below);
-  }
-
- protected:
-  [[nodiscard]] const Instance& followed_in(const Instance&, const Instance& sub) const override { return sub; }
-  /// S lacks only velocity limits: its paths are free of collision in C too, so blocked proposals do not refute them.
-  [[nodiscard]] bool relaxes() const override { return false; }
-  /// Rotates the path into the direction of travel: on each edge, all bodies have the heading of its direction; start
-  /// and goal keep theirs.
-  Configurations followed(Configurations path) const override {
-    if (!turns_ || path.size() < 2) return path;
-    Configurations turned(path.dimension());
-    turned.push(std::as_const(path).front());
-    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-      Configuration a(path[i].begin(), path[i].end());
-      Configuration b(path[i + 1].begin(), path[i + 1].end());
-      const double dx = b[0] - a[0];
-      const double dy = b[1] - a[1];
-      if (dx == 0.0 && dy == 0.0) continue;
-      for (std::size_t j = 2; j < path.dimension(); ++j) a[j] = b[j] = std::atan2(dy, dx);
-      projection_->space().normalise(a);
-      projection_->space().normalise(b);
-      turned.push(a);
-      turned.push(b);
-    }
-    turned.push(std::as_const(path).back());
-    return turned;
-  }
-
- private:
-  bool along_;
-  bool forwards_;
-  bool turns_ = false;  ///< there is a motion model, and its robot has a heading
-  std::shared_ptr<const AxisProjection> projection_;
-  std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h samples
-  Instance* sub_ = nullptr;                      ///< owned by the level
-  GoalChoice goal_choice_;
-};
 
 }  // namespace
 
@@ -159,7 +30,7 @@ GuideKind holonomic_kind() {
   claims.h += "; velocities uniform, of speeds those forwards";
   return {&holonomic_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<Holonomic>(holonomic_settings().read(o));
+            return std::make_unique<Holonomic>("holonomic", holonomic_settings().read(o));
           },
           "rrt_connect", [](const Options& o) { return holonomic_settings().read(o).resolves; }, std::move(claims)};
 }

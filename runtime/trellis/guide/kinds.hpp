@@ -27,6 +27,7 @@ GuideKind lazy_kind();
 GuideKind drop_kind();
 GuideKind aggregate_kind();
 GuideKind holonomic_kind();
+GuideKind blossom_kind();
 GuideKind decomposition_kind();
 GuideKind experience_kind();
 GuideKind learned_kind();

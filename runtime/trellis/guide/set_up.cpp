@@ -38,7 +38,7 @@ struct Entry {
 /// the plane and 0.3 us in space. Those of the mazes and of clutter are within a factor of 3 of these. The entries of
 /// workspace and decomposition include the beginning of their first search, which prepares the whole graph; that of
 /// learned, which needs a model, is the CPU time of its h, from a grid of 67 x 67 cells.
-constexpr std::array<Entry, 25> entries = {{
+constexpr std::array<Entry, 26> entries = {{
     {"uniform", {{}, {10}}, {{}, {10}}},
     {"goal_bias", {{}, {10}}, {{}, {10}}},
     {"gaussian", {{}, {10}}, {{}, {10}}},
@@ -58,6 +58,7 @@ constexpr std::array<Entry, 25> entries = {{
     {"drop", {{}, {90, 2}}, {{}, {100, 2}}},
     {"aggregate", {{300, 450}, {100, 1}}, {{300, 200}, {100, 1}}},
     {"holonomic", {{}, {50}}, {{}, {50}}},
+    {"blossom", {{}, {50}}, {{}, {50}}},
     {"decomposition", {{7000, 130}, {4000, 8}}, {{20000, 100}, {8000}}},
     {"state_cells", {{}, {10}}, {{}, {10}}},
     {"information_gain", {{}, {10}}, {{}, {10}}},

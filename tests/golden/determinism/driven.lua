@@ -31,6 +31,7 @@ return experiment {
   strategies = {
     { "kinodynamic_rrt", kinodynamic_rrt { proposals = 2000 } },
     { "holonomic",       holonomic() >> kinodynamic_rrt { proposals = 2000 } },
+    { "blossom",         blossom() >> kinodynamic_rrt { proposals = 2000 } },
     { "decomposition",   decomposition() >> kinodynamic_rrt { proposals = 2000 } },
     { "nested",          skeleton() >> holonomic() >> kinodynamic_rrt { proposals = 2000 } },
   },
