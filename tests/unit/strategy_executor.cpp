@@ -382,8 +382,60 @@ TEST_CASE("a run records each shorter path with what it cost", "[executor][anyti
     }
     CHECK(run.improvements.back().length == Approx(run.length));
     CHECK(run.improvements.back().cpu_seconds <= run.cpu_seconds);
+    CHECK(run.improvement_checks == run.validity_checks - run.improvements.front().validity_checks);
   }
   CHECK(most > 1);
+  // Another planner ends with its first path.
+  CHECK(execute(StrategySpec(rrt()), test::cup_problem(), 1).improvement_checks == 0);
+}
+
+TEST_CASE("a refuted path takes only its own point from the improvements", "[executor][anytime]") {
+  const auto star = PlannerSpec::make("rrt_star", {{"improve", std::int64_t{500}}});
+  Problem coarse = test::cup_problem();
+  coarse.resolution = 0.6;
+  std::size_t refuted = 0;
+  std::size_t kept = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto run = execute(StrategySpec(star), coarse, seed);
+    if (!run.solved || run.refuted_paths == 0) continue;
+    ++refuted;
+    REQUIRE_FALSE(run.improvements.empty());
+    if (run.improvements.size() > 1) ++kept;
+    for (std::size_t i = 1; i < run.improvements.size(); ++i) {
+      CHECK(run.improvements[i].length < run.improvements[i - 1].length);
+    }
+    CHECK(run.improvements.back().length <= run.length * (1.0 + 1e-12));
+  }
+  CHECK(refuted > 0);
+  CHECK(kept > 0);
+}
+
+TEST_CASE("seconds of the root bound the run with its set-up and its lower levels", "[executor]") {
+  // No time at all: neither guide is set up, and no level begins.
+  const PlannerSpec none = PlannerSpec::make("rrt", {{"seconds", 1e-12}, {"queries", 1.0}});
+  const auto run = execute(guide("skeleton") >> guide("shrink") >> none, test::cup_problem(), 1);
+  CHECK_FALSE(run.solved);
+  CHECK(run.status == Status::budget_spent);
+  CHECK_FALSE(run.bounded.guides_set_up);
+  CHECK(run.set_up == 0.0);
+  const PlannerSpec alone = PlannerSpec::make("rrt", {{"seconds", 1e-12}, {"bound", 0.0}});
+  const auto unbounded = execute(guide("shrink") >> alone, test::cup_problem(), 1);
+  CHECK(unbounded.status == Status::budget_spent);
+  for (const LevelRecord& level : unbounded.levels) CHECK(level.search.proposals.empty());
+}
+
+TEST_CASE("a run ends at its limit of work, and its set-up is counted for it alone", "[executor]") {
+  const StrategySpec strategy = guide("skeleton") >> guide("shrink") >> rrt();
+  const auto whole = execute(strategy, test::cup_problem(), 1);
+  REQUIRE(whole.solved);
+  const auto cut = execute(strategy, test::cup_problem(), 1, {.lift = false, .work_limit = 0.5 * whole.work});
+  CHECK(cut.status == Status::interrupted);
+  CHECK(cut.work >= 0.5 * whole.work);
+  CHECK(cut.work < whole.work);
+  const auto same = execute(strategy, test::cup_problem(), 1, {.lift = false, .work_limit = 2.0 * whole.work});
+  CHECK(same.validity_checks == whole.validity_checks);
+  CHECK(same.work == whole.work);
+  if (whole.bounded.guides_set_up) CHECK(whole.set_up > whole.bounded.set_up);
 }
 
 TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {

@@ -67,7 +67,9 @@ Settings<S> with_common(Settings<S> settings) {
   settings.number("checks", &S::checks, "validity checks", Range::at_least(1),
                   "budget: validity checks of this level, over all its solves");
   settings.number("seconds", &S::seconds, "s", Range::positive(),
-                  "budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat");
+                  "budget: wall-clock time of this level, over all its solves; at the root, of the run: set-up, the "
+                  "levels below and the planner beside them included. It is read between steps. A run that it ends "
+                  "does not repeat");
   return settings;
 }
 

@@ -38,6 +38,7 @@ class Companion {
     run.seeded = true;
     run.companion = true;
     run.interrupted = beside.interrupted;
+    run.out_of_time = beside.out_of_time;
     run.watch = beside.watch;
     run.cpu_begin = beside.cpu_begin;
     return run;

@@ -73,8 +73,17 @@ class Running {
     run_.seed = seed;
     run_.seeded = true;
     run_.interrupted = options.interrupted;
+    if (options.work_limit > 0.0) {
+      run_.interrupted = [this] {
+        return (options_.interrupted && options_.interrupted()) || work() >= options_.work_limit;
+      };
+    }
     run_.watch = options.watch;
     root_.emplace(run_, strategy, problem);
+    if (const double seconds = root_->level().common().budget.seconds; seconds < Budget::unlimited) {
+      run_.out_of_time = [this, seconds] { return elapsed() >= seconds; };
+    }
+    anytime_ = find_planner(strategy.planner().name())->component->find("improve") != nullptr;
     run_.clock.switch_to(&setup_);
     root_->level().guidance().report_paths([this](double length) { note_improvement(run_, length); });
     if (strategy.guide() == nullptr) return;
@@ -100,7 +109,7 @@ class Running {
       while (!root_->ended()) root_->step();
       note_step();
     }
-    if (companion_ && !root_->certified() && !interrupted()) {
+    if (companion_ && !root_->certified() && !run_interrupted()) {
       // What the unguided planner finds, a guided run finds too.
       companion_->keep_up(std::numeric_limits<double>::infinity(), run_.clock);
       companion_decides_ = root_->status() == Status::interrupted || companion_->search().certified();
@@ -122,7 +131,9 @@ class Running {
       record.validity_checks += level->instance().checks.validity;
       record.motion_checks += level->instance().checks.motion;
     }
-    record.work = run_.work() + (companion_ ? companion_->work() : 0.0);
+    record.work = work();
+    if (is_set_up_) record.set_up = set_up_work(*guides_, *problem_.scene, 1.0);
+    record.set_up_seconds = set_up_seconds_;
     if (record.solved) add_path(record, decisive);
     for (RootSearch* search : searches()) {
       record.path_checks += search->check_path().checks();
@@ -145,7 +156,12 @@ class Running {
       root.goal = companion_->search().level().record().goal;
     }
     if (record.solved) root.solution.path = record.path;
-    record.improvements = companion_decides_ ? companion_->run().improvements : run_.improvements;
+    // Of a run that was interrupted after a first path: those of the search that found it.
+    const bool other = companion_decides_ || (companion_ && !record.solved && run_.improvements.empty());
+    record.improvements = other ? companion_->run().improvements : run_.improvements;
+    if (anytime_ && !record.improvements.empty()) {
+      record.improvement_checks = record.validity_checks - record.improvements.front().validity_checks;
+    }
     return record;
   }
   [[nodiscard]] const LevelRecord& level(std::size_t number) const { return run_.levels.at(number)->record(); }
@@ -170,8 +186,7 @@ class Running {
  private:
   /// Called by the thread of the run: its CPU time is that thread's.
   void note_times() {
-    const auto elapsed = std::chrono::steady_clock::now() - begin_;
-    seconds_ = std::chrono::duration<double>(elapsed).count() - run_.stopped;
+    seconds_ = elapsed();
     cpu_seconds_ = thread_seconds() - run_.cpu_begin;
     for (RootSearch* search : searches()) {
       seconds_ -= std::chrono::duration<double>(search->check_path().time()).count();
@@ -179,19 +194,28 @@ class Running {
     }
   }
 
-  [[nodiscard]] bool interrupted() const { return options_.interrupted && options_.interrupted(); }
+  /// Seconds since the beginning of the run, without those in which it waited.
+  [[nodiscard]] double elapsed() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() - run_.stopped;
+  }
+  /// Of all levels and the companion.
+  [[nodiscard]] double work() const { return run_.work() + (companion_ ? companion_->work() : 0.0); }
+  [[nodiscard]] bool run_interrupted() const { return run_.interrupted && run_.interrupted(); }
 
   /// Makes the levels of the guides.
   void set_up() {
     is_set_up_ = true;
     guided_before_ = set_up_;
+    const double before = elapsed();
     root_->level().guide_by(*guides_);
+    set_up_seconds_ = elapsed() - before;
   }
   /// Lets the companion do as much work as the set-up costs, then makes the levels of the guides. Returns whether it
   /// did: not if the companion has ended before.
   bool set_up_after_companion() {
     companion_->keep_up((set_up_ - companion_constant) / (bound_ - 1.0), run_.clock);
-    if (interrupted() || companion_decides(set_up_)) return false;
+    const bool out_of_time = run_.out_of_time && run_.out_of_time();
+    if (run_interrupted() || out_of_time || companion_decides(set_up_)) return false;
     set_up();
     return true;
   }
@@ -233,6 +257,9 @@ class Running {
   /// Records a path of one of the searches if it is shorter than its earlier ones.
   void note_improvement(Run& run, double length) {
     auto& improvements = run.improvements;
+    // A path that was known before the refutation and is not longer than this one was not certified either.
+    while (run.refuted && !improvements.empty() && improvements.back().length <= length) improvements.pop_back();
+    run.refuted = false;
     if (!improvements.empty() && !(length < improvements.back().length)) return;
     std::uint64_t checks = 0;
     for (Level* level : all_levels()) checks += level->instance().checks.validity;
@@ -285,6 +312,8 @@ class Running {
   std::chrono::steady_clock::time_point begin_;
   Run run_;
   double setup_ = 0.0;
+  double set_up_seconds_ = 0.0;
+  bool anytime_ = false;  ///< the root's planner continues after its first path
   double bound_ = 0.0;
   const GuideSpec* guides_ = nullptr;
   double set_up_ = 0.0;  ///< estimated work of the set-up

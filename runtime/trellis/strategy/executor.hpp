@@ -142,7 +142,13 @@ struct RunRecord {
   Trajectory trajectory;     ///< controls of the path if the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
-  double work = 0.0;                  ///< of all levels, in validity checks: see BoundedLoss
+  /// Part of `validity_checks`: those of an anytime planner after its first path, spent on shorter ones.
+  std::uint64_t improvement_checks = 0;
+  double work = 0.0;  ///< of all levels, in validity checks: see BoundedLoss
+  /// The work to set up the guides for this run alone, in validity checks; 0 where they were not set up. `work` counts
+  /// one part in `queries` of what depends on the world alone, as its medial axis.
+  double set_up = 0.0;
+  double set_up_seconds = 0.0;        ///< part of `seconds`: the time to set up the guides
   std::uint64_t shortcut_checks = 0;  ///< validity checks of shortcutting; the sums above exclude them
   /// Whether `path` is certified: everywhere on it the robot is free of contact (PathCertificate). Every path that is
   /// reported is.
@@ -152,7 +158,9 @@ struct RunRecord {
   std::uint64_t path_checks = 0;    ///< configurations checked for certificates; the sums and times above exclude them
   double path_seconds = 0.0;        ///< CPU time of the thread for certificates; not in the times above
   BoundedLoss bounded;
-  std::vector<Improvement> improvements;  ///< the root's paths before shortcutting: the first one and each shorter one
+  /// The root's paths before shortcutting: the first one and each shorter one, without those that could not be
+  /// certified.
+  std::vector<Improvement> improvements;
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in chronological order
 };
@@ -166,6 +174,8 @@ struct ExecuteOptions {
   bool lift = true;  ///< whether records of lower levels get their nodes and proposals in the root's space
   /// False: no unguided planner runs beside a guided search, whatever `bound` says, and guides are set up at once.
   bool companion = true;
+  /// Work of all levels, in validity checks, at which the run ends with Status::interrupted; 0: no limit.
+  double work_limit = 0.0;
 };
 
 /// Checks a problem: coordinates finite, of the right number and inside the space; start and goal valid.

@@ -147,10 +147,12 @@ void Level::begin_solve(double proposals, const Slice& slice) {
                 StepHooks{.interrupted = run_.interrupted,
                           .prepare = [this]() -> std::optional<Status> {
                             if (run_.before_step && run_.before_step()) return Status::interrupted;
+                            if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
                             guidance_.prepare();
                             // The run may have ended while the levels below were searched.
                             if (run_.before_step && run_.before_step()) return Status::interrupted;
                             if (run_.interrupted && run_.interrupted()) return Status::interrupted;
+                            if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
                             const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
                             return pauses ? std::optional(Status::paused) : std::nullopt;
                           },
@@ -207,7 +209,9 @@ void Level::refute(View invalid, const std::shared_ptr<Validity>& validity, doub
   instance.revision = epoch + 1;
   found_ = false;
   record_.solution = {};
-  run_.improvements.clear();
+  // The points of the cost curve before the refuted path remain.
+  if (!run_.improvements.empty()) run_.improvements.pop_back();
+  run_.refuted = true;
 }
 
 namespace {

@@ -54,12 +54,15 @@ struct Run {
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
   double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
+  bool refuted = false;                   ///< its last path was refuted, and no other one is known yet
   RunShared shared;
   bool companion = false;  ///< it runs beside another run: its levels have the number -1
   double queries = 1.0;    ///< runs that share what is set up for the world
   double set_up = 0.0;     ///< work of setting up guides, in validity checks
   /// Called before each step of each level. Returns whether the run ends.
   std::function<bool()> before_step;
+  /// Whether the time of the run is over, by the root's budget of seconds. Empty without such a budget.
+  std::function<bool()> out_of_time;
 
   /// Counts the set-up of a guide's space. What depends on the world alone counts once in a run, with one part in
   /// `queries`.
