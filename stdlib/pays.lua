@@ -340,7 +340,7 @@ pays.experiment = native.define({
   for _, group in ipairs(groups) do problems[#problems + 1] = group[2] end
   return experiment {
     problems = problems, groups = groups, strategies = some, baseline = baseline,
-    seeds = math.tointeger(o.seeds) or math.floor(o.seeds), measure = false,
+    seeds = math.tointeger(o.seeds) or math.floor(o.seeds), measure = false, ablation = 0,
   }
 end)
 

@@ -74,6 +74,7 @@ struct Options {
   bool full = false;                   ///< the full report
   std::optional<std::uint64_t> width;  ///< of the report, in columns
   bool ablate = false;
+  std::optional<double> ablation;  ///< Experiment::ablation
   bool watch = false;
   bool quiet = false;
   bool restart = false;
@@ -89,6 +90,7 @@ ExperimentResult run_cells(Experiment& experiment, unsigned jobs, bool quiet, st
       experiment,
       {.jobs = jobs,
        .progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
+       .ablation_progress = [&](std::size_t done, std::size_t all) { progress.show("ablation", done, all); },
        .interrupted = InterruptibleRun::requested},
       finished);
 }
@@ -159,6 +161,7 @@ std::string options_text(const Options& options) {
                                     std::pair{"only", options.only}, std::pair{"cross", options.cross}}) {
     if (value) text += fmt::format(" --{} {}", name, *value);
   }
+  if (options.ablation) text += fmt::format(" --ablation {:g}", *options.ablation);
   if (!options.problem.empty()) text += fmt::format(" --problem '{}'", options.problem);
   if (!options.strategy.empty()) text += fmt::format(" --strategy '{}'", options.strategy);
   return options.ablate ? text + " --ablate" : text;
@@ -211,6 +214,7 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
       });
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
+      std::move(found.left_out.begin(), found.left_out.end(), std::back_inserter(result.left_out));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
@@ -313,6 +317,7 @@ dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
   narrow(program.experiment, options);
+  if (options.ablation) program.experiment.ablation = *options.ablation;
   if (options.cross) {
     if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
     program.experiment.measure->cross = static_cast<std::int64_t>(*options.cross);
@@ -458,7 +463,10 @@ void add_run(CommandLine& line) {
                "runs at the same time (default 1, so that their times compare); scoring takes all cores");
   verb.integer("--cross", "N", 0, dsl::most_seeds, options->cross,
                "paths of other seeds to score each run on, instead of the script's");
-  verb.flag("--ablate", options->ablate, "run every strategy with each of its guides taken out, too");
+  verb.flag("--ablate", options->ablate,
+            "run every strategy with each of its guides taken out, too, and list and score these strategies");
+  verb.number("--ablation", "TIMES", 0.0, options->ablation,
+              "the work for the verdicts on levels, as a multiple of the experiment's (default 1); 0: none");
   verb.text("--json", "FILE", options->json, "write all figures to a file");
   verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");
   verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");

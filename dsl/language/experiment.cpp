@@ -22,6 +22,7 @@ using lua::Value;
 struct ExperimentSettings {
   std::int64_t seed = 1;
   std::int64_t shortcut = 0;
+  double ablation = default_ablation;
   std::int64_t cross = Measure{}.cross;
   bool cross_levels = Measure{}.cross_levels;
   bool metrics = Measure{}.metrics;
@@ -34,6 +35,10 @@ const Settings<ExperimentSettings>& experiment_settings() {
                    "the first of consecutive seeds, where 'seeds' is their number")
           .integer("shortcut", &ExperimentSettings::shortcut, "rounds", Range::non_negative(),
                    "rounds of shortcutting on each found path before it is reported")
+          .number("ablation", &ExperimentSettings::ablation, "times the experiment's work", Range::at_least(0),
+                  "the work that may be spent on the verdicts on levels: runs of each strategy without each of its "
+                  "guides, unscored, in validity checks; a scored run counts 20 000 more. 0: no verdicts but those of "
+                  "the experiment's own strategies")
           .integer("cross", &ExperimentSettings::cross, "paths", Range::non_negative(),
                    "paths of other seeds that each run is scored on besides its own")
           .boolean("cross_levels", &ExperimentSettings::cross_levels,
@@ -259,6 +264,7 @@ int make_experiment(Stack& call) {
   program.seed = static_cast<std::uint64_t>(settings.seed);
   Experiment& experiment = program.experiment;
   experiment.shortcut = settings.shortcut;
+  experiment.ablation = settings.ablation;
   bool problems_read = false, strategies_read = false;
   if (const Value given = arguments["problems"]; given.given()) {
     ProblemReader problems;
@@ -321,6 +327,7 @@ Program single(StrategySpec strategy, const std::function<void(ProblemReader&)>&
   program.experiment.problems = problems.take();
   program.experiment.strategies.emplace_back("strategy", std::move(strategy));
   program.experiment.seeds = consecutive_seeds(program.seed, 1);
+  program.experiment.ablation = default_ablation;
   check(program.experiment);
   return program;
 }
@@ -462,8 +469,9 @@ const Construct& experiment_construct() {
            {"published", "trellis.Publication", "published { ... }",
             "published figures and sentences, to compare the results with"},
            {"ablate", "boolean|string[]", "true, or a list of names of strategies",
-            "adds each strategy that has a guide, or each that is named, with every guide taken out in turn", false,
-            "false"}},
+            "adds each strategy that has a guide, or each that is named, with every guide taken out in turn, as "
+            "strategies of the report: they are scored, and without a budget",
+            false, "false"}},
       .options = experiment_settings().component(),
       .returns = "trellis.Experiment"};
   return construct;

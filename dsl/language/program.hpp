@@ -32,6 +32,8 @@ struct Program {
   std::vector<std::string> warnings;
 };
 
+/// Experiment::ablation of scripts that do not set it.
+inline constexpr double default_ablation = 1.0;
 inline constexpr std::uint64_t most_seeds = trial::most_seeds;
 /// Lua's largest integer.
 inline constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());

@@ -212,7 +212,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
       const all = [...document.querySelectorAll('#summary tbody tr')];
       const from = all.findIndex(row => row.textContent === 'simple_passage');
       const to = all.findIndex((row, i) => i > from && row.classList.contains('group'));
-      const column = [...all[from + 1].cells].length - 3;
+      const column = [...all[from + 1].cells].length - 4;
       return all.slice(from + 1, to).map(row => row.cells[column].textContent).join(',');
     };
     view.dataset.unsorted = order();

@@ -30,7 +30,7 @@ const std::string go_by =
     "{} }, seeds = 3, measure = false }\n";
 
 std::string without_times(const std::string& json) {
-  static const std::regex time(R"re("((time|cpu|path_cpu)_s\w*|time_share)": ?([-+.e\d]+|\{[^}]*\}))re");
+  static const std::regex time(R"re("((time|cpu|path_cpu|set_up)_s\w*|time_share)": ?([-+.e\d]+|\{[^}]*\}))re");
   return std::regex_replace(json, time, "");
 }
 

@@ -12,6 +12,7 @@ void remove_times(Json& json) {
     json.erase("time_s");
     json.erase("cpu_s");
     json.erase("path_cpu_s");
+    json.erase("set_up_s");
   }
   if (json.is_structured()) {
     for (Json& part : json) remove_times(part);

@@ -202,9 +202,9 @@ TEST_CASE("guides are taken out of strategies") {
     return values(parts + "return " + law) == std::vector<std::string>{"true"};
   };
   CHECK(holds("list[1][2] == skeleton() >> shrink(0.5) >> rrt {}"));
-  CHECK(holds("list[2][2] == uniform() >> rrt {}"));
+  CHECK(holds("tostring(list[2][2]) == 'rrt()'"));
   CHECK(holds("list[3][2] == skeleton() >> rrt {}"));
-  CHECK(holds("list[4][2] == uniform() >> shrink(0.5) >> rrt {}"));
+  CHECK(holds("list[4][2] == shrink(0.5) >> rrt {}"));
   const std::string head = "return experiment { problems = scenes.cup(), strategies = ";
   const auto listed = load(head + "ablations(lazy() >> rrt {}) }");
   REQUIRE(listed.experiment.strategies.size() == 2);

@@ -255,7 +255,7 @@ TEST_CASE("a mixture has a waterfall for each path to the root", "[report][figur
   // The skeleton guides the root beside lazy >> shrink.
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) {
-      if (level.record.key == "0.0.0.0") level.record.key = "0.1";
+      if (level.record.key == "0/0/0/0") level.record.key = "0/0.1";
     }
   }
   const Folder mixture;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -29,8 +30,8 @@ std::string overview(const Experiment& experiment, const ExperimentResult& resul
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// Costs of `n` pairs, `less` of which are lower than the reference's, all others higher.
-PairedCosts costs(std::size_t n, std::size_t less, double ratio) {
+/// Costs of `n` pairs, `less` of which are lower than the reference's, all others higher, under one correction.
+PairedCosts costs(std::size_t n, std::size_t less, double ratio = 2.0, std::size_t tests = 1) {
   std::vector<CensoredCost> mine;
   std::vector<CensoredCost> reference;
   for (std::size_t i = 0; i < n; ++i) {
@@ -38,46 +39,22 @@ PairedCosts costs(std::size_t n, std::size_t less, double ratio) {
     mine.push_back({i < less ? 50.0 : 100.0 * ratio, true});
   }
   PairedCosts result = paired_costs(mine, reference);
-  result.holm_p = result.sign_p;
+  result.holm_p = std::min(1.0, static_cast<double>(tests) * result.sign_p);
   return result;
 }
 
-/// A hierarchy of a root and one guide.
-struct OneGuide {
-  RunsSummary summary;
-  std::vector<std::optional<PairedCosts>> without;
-  std::optional<PairedCosts> whole;
-
-  OneGuide() : without(2) {
-    LevelSummary root;
-    root.name = "root";
-    root.runs = 12;
-    LevelSummary guide = root;
-    guide.name = "lazy()";
-    guide.parent = 0;
-    summary.levels = {root, guide};
+/// The probability that a sign test of n pairs, each less with probability p, falls below alpha: all outcomes counted.
+double power(std::size_t n, double p, double alpha) {
+  double sum = 0.0;
+  double binomial = 1.0;  // n over k
+  for (std::size_t k = 0; k <= n; ++k) {
+    if (2 * k > n && sign_test(k, n - k) < alpha) {
+      sum += binomial * std::pow(p, static_cast<double>(k)) * std::pow(1.0 - p, static_cast<double>(n - k));
+    }
+    binomial *= static_cast<double>(n - k) / static_cast<double>(k + 1);
   }
-  void ablate(const PairedCosts& left_out) { without[1] = left_out; }
-  /// Beside the baseline.
-  void cost(const PairedCosts& costs) { whole = costs; }
-  /// The guide's samples: mass and what it added to uniform sampling, each with an interval of ±0.1.
-  void sampled(double mass, double added, std::size_t runs) {
-    const auto around = [&](double value) { return Interval{value, value - 0.1, value + 0.1, runs, 0}; };
-    Figure& figure = summary.levels[1].root.tree;
-    figure.scored = runs;
-    figure.uniform = around(2.0);
-    figure.mass_part = around(mass);
-    figure.spread_part = around(2.0 - added - mass);
-    summary.tree_waterfall.uniform = around(2.0);
-    summary.tree_waterfall.steps = {{1, -1, around(0.0), around(added), around(added)}};
-  }
-  [[nodiscard]] std::string verdict() const {
-    const auto found = verdicts(summary, without, whole ? &*whole : nullptr);
-    REQUIRE(found.size() == 2);
-    CHECK(verdict_text(found[0]).empty());
-    return verdict_text(found[1]);
-  }
-};
+  return sum;
+}
 
 }  // namespace
 
@@ -89,50 +66,129 @@ TEST_CASE("the overview looks as it should and fits 100 columns", "[report][gold
   for (std::string line; std::getline(lines, line);) CHECK(display_width(line) <= 100);
 }
 
-TEST_CASE("the strategy without a level decides whether the level pays", "[report][verdict]") {
-  OneGuide dearer;
-  dearer.ablate(costs(12, 0, 3.0));
-  CHECK(dearer.verdict() == "pays (checks)");
-  OneGuide cheaper;
-  cheaper.ablate(costs(12, 12, 1.0));
-  CHECK(cheaper.verdict() == "costs (checks)");
-  OneGuide even;
-  even.ablate(costs(12, 6, 2.0));
-  CHECK(even.verdict() == "not shown");
-  OneGuide few;
-  few.ablate(costs(4, 0, 3.0));
-  CHECK(few.verdict() == "too few runs to say");
-  // What its samples would say does not count against a comparison of costs.
-  cheaper.sampled(0.5, 1.0, 12);
-  cheaper.cost(costs(12, 12, 1.0));
-  CHECK(cheaper.verdict() == "costs (checks)");
+TEST_CASE("costs with and without a guide decide whether it pays", "[report][verdict]") {
+  const auto text = [](const PairedCosts& of, std::size_t tests = 1) { return verdict_text(verdict_of(of, tests)); };
+  CHECK(text(costs(12, 12)) == "pays ×0.5 [0.5, 0.5]");
+  CHECK(text(costs(12, 0, 3.0)) == "costs ×3 [3, 3]");
+  CHECK(has(text(costs(12, 6)), "not shown (12 seeds"));
+  CHECK(text(costs(12, 12, 2.0, 200), 200).find("not shown (12 seeds; ~") == 0);
+  CHECK(text(costs(4, 4)).find("not shown (4 seeds; ~") == 0);
+  // Runs without the guide that were cut off count as infinite; a strategy that finds no path without it pays.
+  std::vector<CensoredCost> mine(10, {100.0, true});
+  std::vector<CensoredCost> none(10, {2000.0, false});
+  CHECK(text(paired_costs(mine, none)) == "pays ×<0.05 [0, 0]");
+  CHECK(text(paired_costs(none, mine)) == "costs ×inf");
+  CHECK(text(paired_costs(none, none)) == "not shown (10 seeds)");
 }
 
-TEST_CASE("without an ablation the samples and the whole strategy decide", "[report][verdict]") {
-  OneGuide good;
-  good.sampled(0.5, 1.2, 12);
-  CHECK(good.verdict() == "not shown");
-  good.cost(costs(12, 12, 1.0));
-  CHECK(good.verdict() == "pays (mass)");
-  OneGuide dear;
-  dear.sampled(1.9, 0.05, 12);
-  dear.cost(costs(12, 0, 3.0));
-  CHECK(dear.verdict() == "costs (checks)");
-  OneGuide misleading;
-  misleading.sampled(2.5, -0.6, 12);
-  misleading.cost(costs(12, 12, 1.0));
-  CHECK(misleading.verdict() == "misleads (mass)");
-  OneGuide few;
-  few.sampled(0.5, 1.2, 4);
-  few.cost(costs(12, 12, 1.0));
-  CHECK(few.verdict() == "too few runs to say");
-  // Where the estimate is known to be wrong, the mass alone counts, and here it has not changed.
-  OneGuide doubtful;
-  doubtful.sampled(2.0, 1.2, 12);
-  doubtful.cost(costs(12, 12, 1.0));
-  CHECK(doubtful.verdict() == "pays (spread)");
-  doubtful.summary.levels[1].root.tree.flags = {{"underpowered", 12}};
-  CHECK(doubtful.verdict() == "not shown");
+TEST_CASE("the number of pairs that would show it is that of a test with a power of 80 %", "[report][verdict]") {
+  for (const std::size_t tests : {1U, 3U, 20U}) {
+    for (const auto& [n, less] : {std::pair<std::size_t, std::size_t>{15, 11}, {15, 4}, {6, 4}, {30, 18}, {8, 8}}) {
+      CAPTURE(tests, n, less);
+      const PairedCosts seen = costs(n, less, 2.0, tests);
+      const std::size_t needed = pairs_needed(seen, tests);
+      const double share = (static_cast<double>(std::max(less, n - less)) + 1.0) / (static_cast<double>(n) + 2.0);
+      const double alpha = 0.05 / static_cast<double>(tests);
+      if (needed == 0) {
+        CHECK(power(most_pairs / 2, share, alpha) < 0.9);
+        continue;
+      }
+      CHECK(needed > n);
+      CHECK(power(needed, share, alpha) >= 0.8);
+      // The search takes steps of 2 %, and the power rises with a saw's teeth.
+      if (needed > n + 1)
+        CHECK(power(static_cast<std::size_t>(0.9 * static_cast<double>(needed)), share, alpha) < 0.85);
+    }
+  }
+  // Equal pairs show nothing.
+  CHECK(pairs_needed(costs(15, 15, 1.0), 1) == 16);
+  CHECK(pairs_needed(costs(10, 0, 1.0), 1) == 0);
+}
+
+TEST_CASE("verdicts have Holm's correction over the whole report", "[report][verdict]") {
+  const auto [experiment, result] = fixture::passage();
+  const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
+  REQUIRE(found.size() == 3);
+  std::vector<double> p;
+  for (const GuideVerdict& one : found) {
+    CHECK(one.problem == "simple_passage");
+    CHECK(one.strategy == "nested");
+    REQUIRE(one.verdict.costs.has_value());
+    p.push_back(one.verdict.costs->sign_p);
+  }
+  const std::vector<double> corrected = holm(p);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(found[i].verdict.costs->holm_p == corrected[i]);
+  CHECK(found[0].verdict.kind == Verdict::Kind::not_shown);
+  CHECK(found[1].verdict.kind == Verdict::Kind::costs);
+  CHECK(found[2].verdict.kind == Verdict::Kind::pays);
+  CHECK(found[1].verdict.costs->ratio.value == 2.0);
+
+  // The verdict does not depend on the samples; they explain it.
+  const auto summary = summarise(select_runs(result, "simple_passage", "nested"));
+  const auto levels = level_verdicts(found, "simple_passage", "nested", summary);
+  REQUIRE(levels.size() == 4);
+  CHECK(levels[0].kind == Verdict::Kind::none);
+  for (std::size_t i = 1; i < 4; ++i) CHECK(levels[i].kind == found[i - 1].verdict.kind);
+  auto [same, unscored] = fixture::passage();
+  same.measure.reset();
+  for (RunResult& run : unscored.runs) {
+    for (LevelResult& level : run.levels) level.root = level.own = {};
+  }
+  const auto without = level_verdicts(guide_verdicts(same, unscored, false), "simple_passage", "nested",
+                                      summarise(select_runs(unscored, "simple_passage", "nested")));
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(without[i].kind == levels[i].kind);
+    CHECK(without[i].reason.empty());
+  }
+  CHECK(level_verdicts(found, "simple_passage", "rrt", summary).empty());
+}
+
+TEST_CASE("a level that was not left out is not tested, whatever its samples are", "[report][verdict]") {
+  auto [experiment, result] = fixture::passage();
+  result.left_out.erase(result.left_out.begin());
+  result.left_out.front().costs.clear();
+  const std::string text = overview(experiment, result);
+  CHECK(has(text, "not tested"));
+  CHECK_FALSE(has(text, "costs ×"));
+  CHECK_FALSE(has(text, "leave out"));
+  CHECK(has(text, "--ablation 1 tests which levels pay"));
+  experiment.ablation = 1.0;
+  CHECK(has(overview(experiment, result), "--ablation 4 allows more work"));
+}
+
+TEST_CASE("advice to leave a level out comes from runs without it", "[report][verdict]") {
+  const auto [experiment, result] = fixture::passage();
+  CHECK(has(overview(experiment, result),
+            "leave out shrink(0.5) of nested: without it the strategy takes 0.5 times the validity checks"));
+}
+
+TEST_CASE("an anytime planner is compared by its first path", "[report][verdict]") {
+  auto [experiment, result] = fixture::passage();
+  for (RunResult& run : result.runs) {
+    if (run.strategy != "nested") continue;
+    run.levels.front().record.planner = "rrt_star";
+    run.run.improvement_checks = 100 * run.run.validity_checks;
+    run.run.validity_checks += run.run.improvement_checks;
+  }
+  const std::string text = overview(experiment, result);
+  CHECK(has(text, "first path"));
+  CHECK(has(text, "improvement"));
+  CHECK_FALSE(has(text, "warning"));
+  const auto [before, unchanged] = fixture::passage();
+  CHECK(guide_verdicts(experiment, result, false)[2].verdict.costs->ratio.value ==
+        guide_verdicts(before, unchanged, false)[2].verdict.costs->ratio.value);
+  CHECK_FALSE(has(overview(before, unchanged), "first path"));
+}
+
+TEST_CASE("the set-up of guides has a column where it is more than a tenth of the work", "[report]") {
+  for (const double set_up : {0.0, 5.0, 4000.0}) {
+    auto [experiment, result] = fixture::passage();
+    for (RunResult& run : result.runs) {
+      run.run.work = static_cast<double>(run.run.validity_checks);
+      if (run.strategy == "nested") run.run.set_up = set_up;
+    }
+    CHECK(has(overview(experiment, result), "set-up") == (set_up > 100.0));
+  }
 }
 
 TEST_CASE("of two guides that are called the same each has its own ablation", "[report][verdict]") {
@@ -143,24 +199,25 @@ TEST_CASE("of two guides that are called the same each has its own ablation", "[
   experiment.strategies = {{"twice", twice}};
   experiment.seeds = {1};
   ablate(experiment, {"twice"});
-  const std::string shrink = GuideSpec::make("shrink", {}).text_alone();
-  std::vector<std::pair<std::string, std::size_t>> levels;
+  // The one nearest to the root comes first. It is removed or skipped; nothing guides the other one.
+  std::vector<std::pair<std::string, std::string>> links;
   for (const AblationLink& link : experiment.ablations) {
     CHECK(link.of == "twice");
-    if (link.level == shrink) levels.emplace_back(link.text, link.among);
+    links.emplace_back(link.text, link.key);
   }
-  // The one nearest to the root comes first. It is replaced or skipped; nothing guides the other one.
-  REQUIRE(levels.size() == 3);
-  CHECK(levels[0] == std::pair<std::string, std::size_t>("without " + shrink + " #1", 0));
-  CHECK(levels[1] == std::pair<std::string, std::size_t>("skipping " + shrink + " #1", 0));
-  CHECK(levels[2] == std::pair<std::string, std::size_t>("without " + shrink + " #2", 1));
+  const std::string shrink = GuideSpec::make("shrink", {}).text_alone();
+  REQUIRE(links.size() == 5);
+  CHECK(links[0] == std::pair<std::string, std::string>("without " + shrink + " #1", "0/0"));
+  CHECK(links[1] == std::pair<std::string, std::string>("skipping " + shrink + " #1", "0/0"));
+  CHECK(links[4] == std::pair<std::string, std::string>("without " + shrink + " #2", "0/0/0/0"));
 }
 
 TEST_CASE("a strategy of the experiment without a level is its ablation", "[report][verdict]") {
   auto [experiment, result] = fixture::passage();
-  const auto levels = [&] { return summarise(select_runs(result, "simple_passage", "nested")).levels; };
-  const auto found = [&] { return costs_without_levels(experiment, result, "simple_passage", "nested", levels()); };
-  for (const auto& none : found()) CHECK(!none);
+  result.left_out.clear();
+  for (const GuideVerdict& one : guide_verdicts(experiment, result, false)) {
+    CHECK(one.verdict.kind == Verdict::Kind::not_tested);
+  }
   // The skeleton guides the smaller robot: without the latter it guides the lazy level.
   experiment.strategies.emplace_back("coarse", GuideSpec::make("skeleton", {}) >> GuideSpec::make("lazy", {}) >>
                                                    PlannerSpec::make("rrt", {{"step", 0.4}}));
@@ -170,26 +227,24 @@ TEST_CASE("a strategy of the experiment without a level is its ablation", "[repo
     run.run.validity_checks *= 2;
     result.runs.push_back(std::move(run));
   }
-  const auto costs = found();
-  REQUIRE(costs.size() == 4);
-  CHECK((!costs[0] && !costs[1] && costs[2].has_value() && !costs[3]));
-  CHECK(costs[2]->ratio.value == 2.0);
-  CHECK(costs[2]->holm_p < 0.001);
-  CHECK(has(overview(experiment, result), "pays (checks)"));
+  const auto found = guide_verdicts(experiment, result, false);
+  REQUIRE(found.size() == 5);
+  CHECK(found[1].key == "0/0/0");
+  REQUIRE(found[1].verdict.costs.has_value());
+  CHECK(found[1].verdict.costs->ratio.value == 0.5);
+  CHECK(found[1].verdict.costs->holm_p < 0.001);
+  for (const std::size_t i : {0U, 2U, 3U, 4U}) CHECK(found[i].verdict.kind == Verdict::Kind::not_tested);
+  CHECK(has(overview(experiment, result), "pays ×0.5"));
 
   // A planner without a guide is what its only guide is compared with.
   Experiment single;
   single.problems = {fixture::problem("simple_passage")};
   single.strategies = {{"rrt", fixture::plain()}, {"nested", GuideSpec::make("lazy", {}) >> fixture::plain()}};
   single.seeds = experiment.seeds;
-  std::vector<LevelSummary> two(2);
-  two[0].name = "root";
-  two[1].name = "lazy()";
-  two[1].parent = 0;
-  const auto alone = costs_without_levels(single, result, "simple_passage", "nested", two);
-  REQUIRE(alone.size() == 2);
-  REQUIRE(alone[1].has_value());
-  CHECK(alone[1]->pairs == 15);
+  const auto alone = guide_verdicts(single, result, false);
+  REQUIRE(alone.size() == 1);
+  REQUIRE(alone[0].verdict.costs.has_value());
+  CHECK(alone[0].verdict.costs->pairs == 15);
 }
 
 TEST_CASE("the baseline is the one that is named, else the first without a guide, else the first", "[report]") {
@@ -282,10 +337,10 @@ TEST_CASE("every word of the overview is explained", "[report]") {
     CHECK(std::count(known.begin(), known.end(), term.name) == 0);
     known.push_back(term.name);
   }
-  for (const char* word : {"baseline", "solved", "validity checks", "p",         "ms",        "path",
-                           "share",    "nats",   "above uniform",   "mass",      "spread",    "left out",
-                           "verdict",  "pays",   "costs",           "misleads",  "not shown", "too few runs to say",
-                           "SE",       "tree",   "expansion",       "re-solves", "oracle"}) {
+  for (const char* word : {"baseline", "solved", "validity checks", "p",          "ms",        "path",
+                           "share",    "nats",   "above uniform",   "mass",       "spread",    "set-up",
+                           "verdict",  "pays",   "costs",           "not tested", "not shown", "(mass), (spread)",
+                           "SE",       "tree",   "expansion",       "re-solves",  "oracle"}) {
     CAPTURE(word);
     CHECK(std::count(known.begin(), known.end(), word) == 1);
   }

@@ -36,36 +36,35 @@ using Texts = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("each guide is replaced by uniform, with all that guided it, or left out between its neighbours",
-          "[ablation]") {
+TEST_CASE("each guide is removed with all that guided it, or left out between its neighbours", "[ablation]") {
   const GuideSpec skeleton = guide("skeleton");
   const GuideSpec lazy = guide("lazy");
   const PlannerSpec root = rrt({{"step", 0.4}});
   const auto all = ablations(skeleton >> shrink(0.5) >> lazy >> root);
   REQUIRE(all.size() == 5);
-  CHECK(all[0].strategy == guide("uniform") >> root);
+  CHECK(all[0].strategy == StrategySpec(root));
   CHECK(all[1].strategy == skeleton >> shrink(0.5) >> root);
-  CHECK(all[2].strategy == guide("uniform") >> lazy >> root);
+  CHECK(all[2].strategy == lazy >> root);
   CHECK(all[3].strategy == skeleton >> lazy >> root);
-  CHECK(all[4].strategy == guide("uniform") >> shrink(0.5) >> lazy >> root);
+  CHECK(all[4].strategy == shrink(0.5) >> lazy >> root);
   for (std::size_t i = 0; i < all.size(); ++i) CHECK(all[i].skipped == (i == 1 || i == 3));
 }
 
 TEST_CASE("a blend is ablated part by part and keeps its settings", "[ablation]") {
   const BlendSettings settings = {.floor = 0.4};
   const auto all = ablations(blend({guide("skeleton"), guide("skeleton") >> shrink(0.5)}, settings) >> rrt());
-  CHECK(texts(all) == Texts{"blend { uniform(), skeleton() >> shrink(0.5), floor = 0.4 } >> rrt()",
-                            "blend { skeleton(), uniform(), floor = 0.4 } >> rrt()",
+  CHECK(texts(all) == Texts{"blend { skeleton() >> shrink(0.5), floor = 0.4 } >> rrt()",
+                            "blend { skeleton(), floor = 0.4 } >> rrt()",
                             "blend { skeleton(), skeleton(), floor = 0.4 } >> rrt()",
-                            "blend { skeleton(), uniform() >> shrink(0.5), floor = 0.4 } >> rrt()"});
+                            "blend { skeleton(), shrink(0.5), floor = 0.4 } >> rrt()"});
 }
 
 TEST_CASE("the removed guide and the remaining strategy have their script texts", "[ablation]") {
   const auto all = ablations(guide("skeleton") >> shrink(0.5) >> guide("lazy") >> rrt());
   CHECK(names(all) == Texts{"without lazy()", "skipping lazy()", "without shrink(0.5)", "skipping shrink(0.5)",
                             "without skeleton()"});
-  CHECK(texts(all) == Texts{"uniform() >> rrt()", "skeleton() >> shrink(0.5) >> rrt()", "uniform() >> lazy() >> rrt()",
-                            "skeleton() >> lazy() >> rrt()", "uniform() >> shrink(0.5) >> lazy() >> rrt()"});
+  CHECK(texts(all) == Texts{"rrt()", "skeleton() >> shrink(0.5) >> rrt()", "lazy() >> rrt()",
+                            "skeleton() >> lazy() >> rrt()", "shrink(0.5) >> lazy() >> rrt()"});
 }
 
 TEST_CASE("what is left keeps its options, its planners and the root's", "[ablation]") {
@@ -77,9 +76,9 @@ TEST_CASE("what is left keeps its options, its planners and the root's", "[ablat
   for (const Ablation& a : all) {
     INFO(a.text());
     CHECK(a.strategy.planner() == root);
-    REQUIRE(a.strategy.guide() != nullptr);
   }
-  // Without the skeleton: uniform() >> shrink >> lazy.
+  CHECK(all[0].strategy.guide() == nullptr);
+  // Without the skeleton: shrink >> lazy.
   const GuideSpec* lazy = all[4].strategy.guide();
   CHECK(lazy->name() == "lazy");
   const GuideSpec* shrunken = lazy->below();
@@ -87,9 +86,7 @@ TEST_CASE("what is left keeps its options, its planners and the root's", "[ablat
   CHECK(shrunken->name() == "shrink");
   CHECK(std::get<double>(shrunken->options().at("scale")) == 0.25);
   CHECK(shrunken->planner() == own);
-  REQUIRE(shrunken->below() != nullptr);
-  CHECK(shrunken->below()->name() == "uniform");
-  CHECK(shrunken->below()->below() == nullptr);
+  CHECK(shrunken->below() == nullptr);
   CHECK(all[2].guide == "shrink { 0.25, planner = rrt_connect { step = 0.3 } }");
 }
 
@@ -100,25 +97,25 @@ TEST_CASE("guides that occur more than once are numbered, and each is taken out 
   for (const std::size_t i : {2U, 3U}) CHECK(chain[i].guide.find('#') == std::string::npos);
   CHECK(chain[4].guide.ends_with(" #2"));
   CHECK(chain[1].strategy == shrink(0.5) >> guide("lazy") >> rrt());
-  CHECK(chain[4].strategy == guide("uniform") >> guide("lazy") >> shrink(0.5) >> rrt());
+  CHECK(chain[4].strategy == guide("lazy") >> shrink(0.5) >> rrt());
   // Options distinguish two of one name.
   for (const Ablation& a : ablations(shrink(0.3) >> shrink(0.5) >> rrt())) {
     CHECK(a.guide.find('#') == std::string::npos);
   }
 }
 
-TEST_CASE("a mixture keeps its other parts and all shares", "[ablation]") {
+TEST_CASE("a mixture keeps its other parts and their relative shares", "[ablation]") {
   const GuideSpec a = shrink(0.5);
   const GuideSpec b = guide("lazy");
   const GuideSpec bias = guide("gaussian");
   const auto all = ablations((0.3 * a + 0.5 * (guide("skeleton") >> b) + 0.2 * bias) >> rrt());
   REQUIRE(all.size() == 5);
-  const GuideSpec uniform = guide("uniform");
-  CHECK(all[0].strategy == (0.3 * uniform + 0.5 * (guide("skeleton") >> b) + 0.2 * bias) >> rrt());
-  CHECK(all[1].strategy == (0.3 * a + 0.5 * uniform + 0.2 * bias) >> rrt());
+  CHECK(all[0].strategy == (0.5 * (guide("skeleton") >> b) + 0.2 * bias) >> rrt());
+  CHECK(all[1].strategy == (0.3 * a + 0.2 * bias) >> rrt());
   CHECK(all[2].strategy == (0.3 * a + 0.5 * guide("skeleton") + 0.2 * bias) >> rrt());
-  CHECK(all[3].strategy == (0.3 * a + 0.5 * (uniform >> b) + 0.2 * bias) >> rrt());
-  CHECK(all[4].strategy == (0.3 * a + 0.5 * (guide("skeleton") >> b) + 0.2 * uniform) >> rrt());
+  CHECK(all[3].strategy == (0.3 * a + 0.5 * b + 0.2 * bias) >> rrt());
+  CHECK(all[4].strategy == (0.3 * a + 0.5 * (guide("skeleton") >> b)) >> rrt());
+  CHECK(ablations((a + b) >> rrt())[0].strategy == b >> rrt());
 
   // A guide that a mixture guides, left out: its share goes to the mixture as a whole.
   const GuideSpec pair = guide("skeleton") + 3.0 * shrink(0.3);
@@ -133,10 +130,10 @@ TEST_CASE("a sequence keeps its order and its turns", "[ablation]") {
   const GuideSpec b = guide("lazy");
   const auto all = ablations(sequence({a, guide("skeleton") >> b}, 50) >> rrt());
   REQUIRE(all.size() == 4);
-  CHECK(all[0].strategy == sequence({guide("uniform"), guide("skeleton") >> b}, 50) >> rrt());
-  CHECK(all[1].strategy == sequence({a, guide("uniform")}, 50) >> rrt());
+  CHECK(all[0].strategy == sequence({guide("skeleton") >> b}, 50) >> rrt());
+  CHECK(all[1].strategy == sequence({a}, 50) >> rrt());
   CHECK(all[2].strategy == sequence({a, guide("skeleton")}, 50) >> rrt());
-  CHECK(all[3].strategy == sequence({a, guide("uniform") >> b}, 50) >> rrt());
+  CHECK(all[3].strategy == sequence({a, b}, 50) >> rrt());
 }
 
 TEST_CASE("a strategy without a guide has none to take out", "[ablation]") {
@@ -144,7 +141,7 @@ TEST_CASE("a strategy without a guide has none to take out", "[ablation]") {
   const auto one = ablations(guide("gaussian") >> rrt());
   REQUIRE(one.size() == 1);
   CHECK_FALSE(one.front().skipped);
-  CHECK(one.front().strategy == guide("uniform") >> rrt());
+  CHECK(one.front().strategy == StrategySpec(rrt()));
 }
 
 TEST_CASE("what is left runs as it would on its own", "[ablation]") {
@@ -160,4 +157,42 @@ TEST_CASE("what is left runs as it would on its own", "[ablation]") {
     }
     for (const LevelRecord& level : run.levels) CHECK(level.name.find("planner") == std::string::npos);
   }
+}
+
+TEST_CASE("the ablations that decide are one for each guide, with its key in a run", "[ablation]") {
+  const GuideSpec chain = guide("skeleton") >> shrink(0.5) >> guide("lazy");
+  const auto decisive = decisive_ablations((0.5 * chain + 0.5 * guide("goal_bias")) >> rrt());
+  REQUIRE(decisive.size() == 4);
+  CHECK(names(decisive) ==
+        Texts{"skipping lazy()", "skipping shrink(0.5)", "without skeleton()", "without goal_bias(0.05)"});
+  Texts keys;
+  for (const Ablation& a : decisive) keys.push_back(a.key);
+  CHECK(keys == Texts{"0/0.0", "0/0.0/0", "0/0.0/0/0", "0/0.1"});
+  CHECK(decisive[3].strategy == chain >> rrt());
+
+  // The keys are those of the levels of a run, for every kind of combination.
+  const auto problem = test::cup_problem();
+  const GuideSpec a = shrink(0.3);
+  const GuideSpec b = guide("skeleton") >> shrink(0.6);
+  for (const GuideSpec& all : {a + b, sequence({a, b}, 20), blend({a, b}), schedule({a, b}, {.turn = 20}), race({a, b}),
+                               (a + guide("skeleton")) >> guide("lazy")}) {
+    const StrategySpec strategy = all >> rrt({{"bound", 0.0}});
+    CAPTURE(strategy.text());
+    for (const LevelRecord& level : execute(strategy, problem, 1).levels) {
+      if (level.level == 0) continue;
+      const auto known = decisive_ablations(strategy);
+      const auto of = std::find_if(known.begin(), known.end(), [&](const Ablation& x) { return x.key == level.key; });
+      REQUIRE(of != known.end());
+      CHECK(of->guide.starts_with(level.name.substr(0, level.name.find('('))));
+    }
+  }
+}
+
+TEST_CASE("levels of the halves of a split search belong to the guide that made them", "[ablation]") {
+  CHECK(guide_key("0").empty());
+  CHECK(guide_key("0/0.1") == "0/0.1");
+  CHECK(guide_key("0/1.0").empty());         // a half of the root
+  CHECK(guide_key("0/1.0/0.1") == "0/0.1");  // of its guide
+  CHECK(guide_key("0/1.0/2.1/0/0") == "0/0/0");
+  CHECK(guide_key("0/0/1.1").empty());  // a half of the guide's own search
 }

@@ -18,6 +18,7 @@
 #include <trellis/experiment/baseline.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/input_warnings.hpp>
+#include <trellis/experiment/left_out.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/experiment/store.hpp>
@@ -169,7 +170,7 @@ void ablate(Experiment& experiment, const std::vector<std::string>& names) {
     }
     for (const Ablation& ablation : taken) {
       const std::string text = fmt::format("{} {}", name, ablation.text());
-      experiment.ablations.push_back({text, name, ablation.text(), ablation.level, ablation.among, ablation.skipped});
+      experiment.ablations.push_back({text, name, ablation.text(), ablation.key, ablation.skipped});
       experiment.strategies.emplace_back(text, ablation.strategy);
     }
   }
@@ -210,6 +211,7 @@ void check(const Experiment& experiment) {
   if (experiment.problems.empty()) throw Error("experiment: no problem given");
   if (experiment.strategies.empty()) throw Error("experiment: no strategy given");
   if (experiment.seeds.empty()) throw Error("experiment: no seed given");
+  if (!(experiment.ablation >= 0.0)) throw Error("experiment: ablation must be at least 0");
   if (experiment.shortcut < 0) {
     throw Error(fmt::format("experiment: shortcut must be at least 0 rounds, got {}", experiment.shortcut));
   }
@@ -289,12 +291,15 @@ class Runner {
     if (!experiment_.measure) return;
     score(
         experiment_, result_, scoring_jobs(options_), [this] { progress(); }, [this] { return interrupted(); }, store_);
+    result_.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned_).count();
   }
+
+  /// \throws Interrupted
+  void ablate() { run_left_out(experiment_, result_, options_); }
 
   ExperimentResult take() {
     // No later step uses the checkers, scenes and guides of the levels.
     for (RunResult& cell : result_.runs) release(cell);
-    result_.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned_).count();
     return std::move(result_);
   }
   /// What `plan` has finished before an interruption.
@@ -433,6 +438,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   Runner runner(experiment, options, nullptr);
   runner.plan();
   runner.measure();
+  runner.ablate();
   return runner.take();
 }
 
@@ -440,6 +446,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   Runner runner(experiment, options, &store);
   runner.plan();
   runner.measure();
+  runner.ablate();
   return runner.take();
 }
 
@@ -447,12 +454,19 @@ ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& op
   finished.clear();
   Runner runner(experiment, options, nullptr);
   bool planned = false;
+  bool measured = false;
   try {
     runner.plan();
     planned = true;
     runner.measure();
+    measured = true;
+    runner.ablate();
     return runner.take();
   } catch (const Interrupted&) {
+    if (measured) {
+      finished = "all runs, without those that decide which levels pay";
+      return runner.take();
+    }
     const Part part = largest_part(experiment, runner.finished());
     if (part.seeds.empty()) throw;
     ExperimentResult result = runner.take_unmeasured();

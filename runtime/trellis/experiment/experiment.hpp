@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <trellis/experiment/search_metrics.hpp>
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/measure/statistics.hpp>
 #include <trellis/measure/target.hpp>
@@ -66,13 +67,11 @@ struct Measure {
 
 /// A strategy of an experiment that is another strategy without one guide.
 struct AblationLink {
-  std::string strategy;   ///< its name
-  std::string of;         ///< the name of the complete strategy
-  std::string text;       ///< "without shrink(0.5)"
-  std::string level;      ///< the name of that guide's level in the complete strategy
-  std::size_t among = 0;  ///< the index among the levels of that name, in the order of the levels
-  /// Whether the guides of the removed guide remain. Otherwise uniform sampling replaces it, and its own guides are
-  /// removed.
+  std::string strategy;  ///< its name
+  std::string of;        ///< the name of the complete strategy
+  std::string text;      ///< "without shrink(0.5)"
+  std::string key;       ///< of that guide in the complete strategy, Ablation::key
+  /// Whether the guides of the removed guide remain; else they are removed too.
   bool skipped = false;
 };
 
@@ -116,8 +115,11 @@ struct Experiment {
   std::int64_t shortcut = 0;                   ///< rounds of shortcutting on each found path before its report
   std::string baseline;                        ///< the strategy to compare the others with; "": baseline_of()
   std::vector<AblationLink> ablations;         ///< the strategies that ablate() added
-  std::optional<Publication> published;        ///< for comparison with the results
-  std::vector<ProblemGroup> groups;            ///< of some of the problems; no problem is in two
+  /// The budget of the runs without each guide that decide which guides pay (LeftOut), as a multiple of the work of the
+  /// experiment; 0: none.
+  double ablation = 0.0;
+  std::optional<Publication> published;  ///< for comparison with the results
+  std::vector<ProblemGroup> groups;      ///< of some of the problems; no problem is in two
 };
 
 /// Returns the strategy to compare the others with: the named one, else the first without a guide, else the first. ""
@@ -183,11 +185,26 @@ struct PooledScores {
   Scores scores;
 };
 
+/// The costs of a strategy without one of its guides on a problem: runs that are not scored (Experiment::ablation).
+struct LeftOut {
+  std::string problem;
+  std::string strategy;  ///< the name of the complete strategy
+  std::string key;       ///< of the guide, Ablation::key
+  /// Validity checks until the first path, on the first seeds of the experiment; on fewer than `least_tested_seeds`:
+  /// none. A run that was cut off at `most_left_out_work` counts as unsolved.
+  std::vector<CensoredCost> costs;
+};
+/// A sign test of fewer pairs is never significant at 5 %.
+inline constexpr std::size_t least_tested_seeds = 6;
+/// A run without a guide ends after so many times the work of the run with it.
+inline constexpr double most_left_out_work = 20.0;
+
 struct ExperimentResult {
-  std::vector<RunResult> runs;       ///< by problem, strategy, seed, for any number of threads
-  std::vector<PooledScores> pooled;  ///< by problem and strategy; none of those without two seeds and a path
-  double planning_seconds = 0.0;     ///< wall clock of all runs
-  double measuring_seconds = 0.0;    ///< wall clock of their scoring
+  std::vector<RunResult> runs;         ///< by problem, strategy, seed, for any number of threads
+  std::vector<PooledScores> pooled;    ///< by problem and strategy; none of those without two seeds and a path
+  std::vector<LeftOut> left_out = {};  ///< by problem, strategy, guide; none where a strategy of the experiment serves
+  double planning_seconds = 0.0;       ///< wall clock of all runs
+  double measuring_seconds = 0.0;      ///< wall clock of their scoring
 };
 
 struct ExperimentOptions {
@@ -197,6 +214,8 @@ struct ExperimentOptions {
   /// Called after each cell's run and after its scoring, from one thread at a time, with the numbers of finished and of
   /// all steps.
   std::function<void(std::size_t, std::size_t)> progress = {};
+  /// The same for the runs without each guide, after the steps above.
+  std::function<void(std::size_t, std::size_t)> ablation_progress = {};
   /// Called between cells and, through the executor, between proposals; true stops the experiment (Interrupted). Called
   /// from the threads of all jobs concurrently.
   std::function<bool()> interrupted = {};
@@ -217,10 +236,11 @@ std::size_t steps(const Experiment& experiment);
 /// \throws Error on the first fault.
 void check(const Experiment& experiment);
 
-/// Checks, runs every cell, then scores them; scoring changes no run and is not part of the run's time. Cells run
-/// problem by problem and seed by seed, with the strategies of a seed in a random order, so that a machine that slows
-/// down affects all strategies alike. Except for times, the result does not depend on this order or on the number of
-/// threads. An exception in a cell stops the others and is rethrown here.
+/// Checks, runs every cell, then scores them; scoring changes no run and is not part of the run's time. Then it runs
+/// the strategies without each of their guides (Experiment::ablation). Cells run problem by problem and seed by seed,
+/// with the strategies of a seed in a random order, so that a machine that slows down affects all strategies alike.
+/// Except for times, the result does not depend on this order or on the number of threads. An exception in a cell stops
+/// the others and is rethrown here.
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options = {});
 
 }  // namespace trellis

@@ -57,6 +57,7 @@ class Tuner {
       : experiment_(experiment), settings_(settings), options_(options), costs_(experiment.strategies.size()) {
     experiment_.measure.reset();
     experiment_.ablations.clear();
+    experiment_.ablation = 0.0;
     experiment_.published.reset();
     experiment_.baseline.clear();
   }

@@ -138,8 +138,17 @@ const LevelSummary& root_of(const RunsSummary& summary) {
   return summary.levels.empty() ? none : summary.levels.front();
 }
 
-std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
-                        bool crossed, Marks& marks) {
+/// The optional columns of the table of strategies.
+struct SummaryColumns {
+  bool measured = false;
+  bool crossed = false;  ///< scored on other seeds' paths
+  bool anytime = false;  ///< some planner continues after its first path
+  bool set_up = false;   ///< the set-up of guides is a considerable part of some cost
+};
+
+std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes,
+                        const SummaryColumns& columns, Marks& marks) {
+  const auto& [measured, crossed, anytime, set_up] = columns;
   std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
                                 head, s.solved, s.runs, wilson_text(s.success));
   if (measured) {
@@ -151,8 +160,10 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
     out += figure_cell(own.expansion, marks);
     if (crossed) out += figure_cell(cross.expansion, marks);
   }
-  return out + cell(count_text(s.validity_checks.value)) + cell(milliseconds(s.seconds.value)) +
-         cell(interval_html(s.length)) + "</tr>\n";
+  out += cell(count_text(s.validity_checks.value));
+  if (anytime) out += cell(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
+  if (set_up) out += cell(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
+  return out + cell(milliseconds(s.seconds.value)) + cell(interval_html(s.length)) + "</tr>\n";
 }
 
 /// Returns a patch of a strategy's colour in the figures; none for an ablation.
@@ -168,18 +179,27 @@ std::string swatch(const CostData& data, const std::string& strategy) {
 }
 
 std::string summary_table(const HtmlContent& content) {
-  bool crossed = false;
+  SummaryColumns shown;
+  shown.measured = content.measured;
   for (const auto& of_problem : content.cells) {
-    for (const HtmlCell& one : of_problem) crossed = crossed || root_of(one.summary).root_cross.tree.scored > 0;
+    for (const HtmlCell& one : of_problem) {
+      shown.crossed = shown.crossed || root_of(one.summary).root_cross.tree.scored > 0;
+      shown.anytime = shown.anytime || !std::isnan(one.summary.improvement_checks);
+      shown.set_up = shown.set_up || one.summary.set_up_share > least_set_up_share;
+    }
   }
   std::vector<Columns> columns = {{"", {"solved"}}};
   if (content.measured) {
     const std::vector<std::string> paths =
-        crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
+        shown.crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
   }
-  columns.push_back({"medians", {"checks", "time, ms"}});
+  Columns medians = {"medians", {shown.anytime ? "checks to first path" : "checks"}};
+  if (shown.anytime) medians.names.emplace_back("checks of improvement");
+  if (shown.set_up) medians.names.emplace_back("set-up, checks");
+  medians.names.emplace_back("time, ms");
+  columns.push_back(std::move(medians));
   columns.push_back({"mean", {"path, m"}});
   std::size_t width = 1;
   for (const auto& group : columns) width += group.names.size();
@@ -193,8 +213,7 @@ std::string summary_table(const HtmlContent& content) {
     group("all scenes together");
     for (std::size_t s = 0; s < content.together.size(); ++s) {
       const std::string& name = content.strategies[s].name;
-      body += summary_row(content.together[s], swatch(content.costs, name) + escaped(name), "", content.measured,
-                          crossed, marks);
+      body += summary_row(content.together[s], swatch(content.costs, name) + escaped(name), "", shown, marks);
     }
   }
   for (std::size_t p = 0; p < content.problems.size(); ++p) {
@@ -206,7 +225,7 @@ std::string summary_table(const HtmlContent& content) {
           content.cells[p][s].summary,
           swatch(content.costs, name) +
               fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place, escaped(name)),
-          fmt::format(R"( data-cell="{}")", place), content.measured, crossed, marks);
+          fmt::format(R"( data-cell="{}")", place), shown, marks);
     }
   }
   const bool tall = content.problems.size() * content.strategies.size() > 24;
@@ -233,8 +252,9 @@ std::string resolves_html(const RunsSummary& summary) {
   return out;
 }
 
-/// \param found  the verdicts on the levels; empty for an ablation
-std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& found, bool measured) {
+std::string level_table(const HtmlCell& of, bool measured) {
+  const RunsSummary& summary = of.summary;
+  const std::vector<Verdict>& found = of.verdicts;
   bool crossed = false;
   for (const auto& level : summary.levels) crossed = crossed || level.root_cross.tree.scored > 0;
   std::vector<Columns> columns = {{"", {"space", "planner", "solved"}},
@@ -282,8 +302,12 @@ std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& 
     body += "</tr>\n";
   }
   const std::string beside = beside_text(summary);
-  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}{}",
-                     heading("level", columns), body, marks.text(),
+  std::string parts;
+  for (const GuideVerdict& part : of.parts) {
+    parts += fmt::format("<p class=\"muted\">{}: {}</p>\n", escaped(part.guide), escaped(verdict_text(part.verdict)));
+  }
+  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}{}{}",
+                     heading("level", columns), body, marks.text(), parts,
                      beside.empty() ? "" : fmt::format("<p class=\"muted\">{}</p>\n", escaped(beside)),
                      resolves_html(summary));
 }
@@ -447,8 +471,7 @@ std::string worth_scripts(const HtmlContent& content) {
     for (std::size_t s = 0; s < content.strategies.size(); ++s) {
       const HtmlCell& cell = content.cells[p][s];
       const std::string place = fmt::format("{}-{}", p, s);
-      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place,
-                         level_table(cell.summary, cell.verdicts, content.measured));
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(cell, content.measured));
       if (!content.measured) continue;
       const auto figures = strategy_figures(content.problems[p], content.strategies[s].name, cell.summary);
       Json drawn = Json::array();
@@ -538,6 +561,7 @@ HtmlContent content_of(const Experiment& experiment, const ExperimentResult& res
   content.about = html_about(experiment.problems.size(), experiment.strategies.size(), experiment.seeds,
                              content.measured ? target_text(experiment.measure->target) : "", version());
   content.costs = cost_data(experiment, result);
+  const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
   for (const auto& [name, spec] : experiment.strategies) {
     content.strategies.push_back({name, spec.text(), is_ablation(experiment, name)});
     if (experiment.problems.size() > 1) content.together.push_back(summarise(select_runs(result, "", name)));
@@ -548,8 +572,9 @@ HtmlContent content_of(const Experiment& experiment, const ExperimentResult& res
     std::vector<HtmlCell> row;
     for (const auto& [name, spec] : experiment.strategies) {
       const auto runs = select_runs(result, problem.name, name);
-      HtmlCell cell{summarise(runs), {}, {}};
-      cell.verdicts = verdicts(experiment, result, problem.name, name, cell.summary, comparisons);
+      HtmlCell cell{summarise(runs), {}, {}, {}};
+      cell.verdicts = level_verdicts(found, problem.name, name, cell.summary);
+      cell.parts = part_verdicts(found, problem.name, name, cell.summary);
       for (const RunResult* run : runs) {
         cell.runs.emplace(run->seed, HtmlOutcome{html_outcome(facts_of(*run)), run->run.solved, run});
       }

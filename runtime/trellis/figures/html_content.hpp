@@ -31,7 +31,8 @@ struct HtmlOutcome {
 /// One problem and strategy.
 struct HtmlCell {
   RunsSummary summary;
-  std::vector<Verdict> verdicts;  ///< on its levels; empty for an ablation
+  std::vector<Verdict> verdicts;    ///< on its levels; empty for an ablation
+  std::vector<GuideVerdict> parts;  ///< on its guides without a level
   std::map<std::uint64_t, HtmlOutcome> runs;
 };
 

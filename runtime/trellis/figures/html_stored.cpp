@@ -70,6 +70,7 @@ void add_summaries(HtmlContent& content, std::vector<StoredSummary> summaries) {
       }
       content.cells[p][s].summary = std::move(one.summary);
       content.cells[p][s].verdicts = std::move(one.verdicts);
+      content.cells[p][s].parts = std::move(one.parts);
     }
   }
 }

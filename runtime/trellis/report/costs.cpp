@@ -48,7 +48,10 @@ std::vector<std::vector<Cell>> cells_of(const CostData& data) {
 
 using Quantity = double CostData::Run::*;
 
-CensoredCost cost(const CostData::Run& run, Quantity quantity) { return {run.*quantity, run.solved}; }
+CensoredCost cost(const CostData::Run& run, Quantity quantity) {
+  const double later = quantity == &CostData::Run::checks ? run.improvement_checks : 0.0;
+  return {run.*quantity - later, run.solved};
+}
 
 std::vector<CensoredCost> costs(const Cell& cell, Quantity quantity) {
   std::vector<CensoredCost> values;
@@ -179,6 +182,7 @@ void CostData::add(const std::string& document, const std::string& file) {
       runs.push_back({*problem, *strategy, seed, entry.at("solved").get<bool>(),
                       entry.at("validity_checks").get<double>(),
                       seconds != entry.end() && seconds->is_number() ? seconds->get<double>() : nan});
+      runs.back().improvement_checks = entry.value("improvement_checks", 0.0);
       const auto improvements = entry.find("improvements");
       if (improvements == entry.end()) continue;
       for (const Json& one : *improvements) {
@@ -249,7 +253,7 @@ CostData cost_data(const Experiment& experiment, const ExperimentResult& result)
     const auto strategy = index_of(data.strategies, run.strategy);
     if (!problem || !strategy) continue;
     data.runs.push_back({*problem, *strategy, run.seed, run.run.solved, static_cast<double>(run.run.validity_checks),
-                         run.cpu_seconds, run.run.improvements});
+                         run.cpu_seconds, run.run.improvements, static_cast<double>(run.run.improvement_checks)});
   }
   return data;
 }

@@ -12,8 +12,8 @@
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/strategy/executor.hpp>
 
-/// Compares the costs of strategies: validity checks of all levels and CPU time, paired by seed, from the documents of
-/// `trellis run --json`.
+/// Compares the costs of strategies: validity checks of all levels until the first path, and CPU time, paired by seed,
+/// from the documents of `trellis run --json`.
 namespace trellis {
 
 /// The costs of the runs of one or several documents.
@@ -36,6 +36,7 @@ struct CostData {
     double checks = 0.0;                         ///< validity checks, all levels
     double seconds = 0.0;                        ///< CPU time; NaN where the document has none
     std::vector<Improvement> improvements = {};  ///< its paths, each shorter than those before
+    double improvement_checks = 0.0;             ///< part of `checks`: of an anytime planner, after its first path
   };
   std::vector<Problem> problems;
   std::vector<Strategy> strategies;

@@ -40,24 +40,30 @@ const std::vector<ReportTerm>& report_terms() {
        "spread sum to the divergence"},
       {"along", "the part of the spread along the path: the divergence of arc length"},
       {"across", "the part of the spread across the path"},
-      {"left out",
-       "the strategy without this level beside the whole one (--ablate): ratio of validity checks, median over the "
-       "seeds; "
-       "above 1 the level saves checks"},
       {"verdict",
-       "whether a level pays. `--ablate` decides; without it, the samples of the level and the costs of the strategy "
-       "beside the baseline"},
+       "whether a level pays: an experiment, the strategy with and without it on the same seeds, unscored. The guides "
+       "of the level take its place. `--ablation` sets how much work that may take"},
       {"pays",
-       "verdict: the strategy costs more without the level (checks); or its samples lie clearly nearer to the target "
-       "than "
-       "those of the level below (mass or spread) and the strategy costs less than the baseline"},
-      {"costs",
-       "verdict: the strategy costs less without the level; or its samples add nothing and the strategy costs more "
-       "than "
-       "the baseline"},
-      {"misleads", "verdict: the level's samples lie in the target less often than uniform samples do"},
-      {"not shown", "verdict: the runs show neither that the level pays nor that it costs"},
-      {"too few runs to say", "verdict: so few runs could not show a difference, however clear it was"},
+       "verdict: with the level the strategy costs less. × is the ratio of its validity checks to those without the "
+       "level, the median over the seeds, with its 99 % interval; a difference counts at p < 0.05 in a sign test, "
+       "corrected by Holm over all verdicts of the report. <0.05: most runs without the level were ended at 20 times "
+       "the work"},
+      {"costs", "verdict: with the level the strategy costs more; the ratio is above 1"},
+      {"not shown",
+       "verdict: the runs show neither. In brackets the number of seeds, and, where it is at most 1000, the number "
+       "with which the observed difference would be shown with a probability of 80 %"},
+      {"not tested",
+       "verdict: the strategy was not run without the level: fewer than 6 seeds, which can show nothing, or more work "
+       "than --ablation allows"},
+      {"(mass), (spread)",
+       "beside a verdict: the part of the divergence that the level's samples reduce most (where it pays) or increase "
+       "(where it costs). It explains the verdict and does not decide it"},
+      {"first path", "checks until the first path, which the comparisons use"},
+      {"improvement", "checks that an anytime planner, such as rrt_star, spends on shorter paths after its first"},
+      {"set-up",
+       "work to set up the guides for one run alone, as the medial axis of the world, in checks: the median over the "
+       "runs. The column is there where it is more than a tenth of a run's work. The runs of a process share what "
+       "depends on the world alone: the first one spends its time, and the median of the times does not show it"},
       {"oracle", "samples drawn from the target itself, perfect guidance: what the estimator makes of them"},
       {"tree", "nodes of the search; of a roadmap, those that were checked"},
       {"expansion", "what was proposed, before extension: samples of h"},

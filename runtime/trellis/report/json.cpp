@@ -321,7 +321,10 @@ Json run_json(const RunResult& run) {
                {"clearance", run.run.certified ? number(run.run.clearance) : Json(nullptr)},
                {"path_checks", run.run.path_checks},
                {"path_cpu_s", number(run.run.path_seconds)},
+               {"improvement_checks", run.run.improvement_checks},
                {"work", run.run.work},
+               {"set_up_work", run.run.set_up},
+               {"set_up_s", number(run.run.set_up_seconds)},
                {"refuted_paths", run.run.refuted_paths},
                {"bounded_loss", bounded_json(run.run)},
                {"improvements", improvements_json(run.run.improvements)},
@@ -470,12 +473,13 @@ Json comparison_json(const Comparison& c) {
 }
 
 /// null for levels without a verdict: the root, and an ablation's levels.
-Json verdict_json(const std::vector<Verdict>& found, std::size_t level) {
-  if (level >= found.size() || found[level].kind == Verdict::Kind::none) return nullptr;
-  const Verdict& verdict = found[level];
+Json verdict_json(const Verdict& verdict) {
+  if (verdict.kind == Verdict::Kind::none) return nullptr;
   return {{"verdict", verdict_word(verdict)},
-          {"reason", verdict.reason.empty() ? Json(nullptr) : Json(verdict.reason)},
-          {"left_out", verdict.left_out ? paired_json(*verdict.left_out) : Json(nullptr)}};
+          {"costs", verdict.costs ? paired_json(*verdict.costs) : Json(nullptr)},
+          {"pairs_needed", verdict.pairs_needed > 0 ? Json(verdict.pairs_needed) : Json(nullptr)},
+          {"together", verdict.together},
+          {"explained_by", verdict.reason.empty() ? Json(nullptr) : Json(verdict.reason)}};
 }
 
 /// What the planner without guides did beside the guided searches; null where it ran beside none.
@@ -488,10 +492,16 @@ Json beside_json(const BesideSummary& beside) {
           {"no_guided_proposal", beside.no_guided}};
 }
 
-/// \param found     the verdicts on its levels
+/// \param found     the verdicts on its levels; empty for an ablation
+/// \param parts     those on its guides without a level
 /// \param unsolved  why runs found no path
 Json summary_json(const RunsSummary& summary, const Json& problem, const std::string& strategy,
-                  const std::vector<Verdict>& found, const std::string& unsolved) {
+                  const std::vector<Verdict>& found, const std::vector<GuideVerdict>& parts,
+                  const std::string& unsolved) {
+  Json guides = Json::array();
+  for (const GuideVerdict& part : parts) {
+    guides.push_back({{"guide", part.guide}, {"key", part.key}, {"verdict", verdict_json(part.verdict)}});
+  }
   Json levels = Json::array();
   for (std::size_t i = 0; i < summary.levels.size(); ++i) {
     const LevelSummary& level = summary.levels[i];
@@ -504,7 +514,7 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"planner", level.planner},
                       {"runs", level.runs},
                       {"solved", level.solved},
-                      {"verdict", verdict_json(found, i)},
+                      {"verdict", i < found.size() ? verdict_json(found[i]) : Json(nullptr)},
                       {"resolves_median", number(level.resolves)},
                       {"resolved_for", resolves_json(level.resolved_for.total)},
                       {"exhausted_runs", level.resolved_for.exhausted},
@@ -552,9 +562,13 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
        {{"validity_checks", number(summary.spent_validity_checks)},
         {"motion_checks", number(summary.spent_motion_checks)},
         {"time_s", number(summary.spent_seconds)}}},
+      {"improvement_checks_median", number(summary.improvement_checks)},
+      {"set_up_median", number(summary.set_up)},
+      {"set_up_share", number(summary.set_up_share)},
       {"length", interval_json(summary.length)},
       {"bounded_loss", beside_json(summary.beside)},
       {"levels", std::move(levels)},
+      {"guides_without_level", std::move(guides)},
       {"waterfall",
        {{"tree", waterfall_json(summary.tree_waterfall)}, {"expansion", waterfall_json(summary.expansion_waterfall)}}}};
 }
@@ -626,7 +640,8 @@ Json experiment_json(const Experiment& experiment) {
           {"problems", std::move(problems)},
           {"strategies", std::move(strategies)},
           {"baseline", experiment.baseline.empty() ? Json(nullptr) : Json(experiment.baseline)},
-          {"ablations", std::move(ablations)}};
+          {"ablations", std::move(ablations)},
+          {"ablation", experiment.ablation}};
 }
 
 /// Names and paths come from users and may be invalid UTF-8; invalid bytes become U+FFFD.
@@ -649,7 +664,7 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
   std::vector<Json> summary;
   std::vector<Json> comparisons;
   std::vector<Json> warnings;
-  const auto add = [&](const std::string& problem) {
+  const auto add = [&](const std::string& problem, const std::vector<GuideVerdict>& found) {
     const Json name = problem.empty() ? Json(nullptr) : Json(problem);
     const std::vector<Comparison> compared = compare(experiment, result, problem);
     for (const Comparison& c : compared) comparisons.push_back(comparison_json(c));
@@ -659,8 +674,8 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
     for (const auto& [strategy, spec] : experiment.strategies) {
       const auto chosen = select_runs(result, problem, strategy);
       const RunsSummary of = summarise(chosen);
-      summary.push_back(summary_json(of, name, strategy, verdicts(experiment, result, problem, strategy, of, compared),
-                                     unsolved_text(chosen, spec)));
+      summary.push_back(summary_json(of, name, strategy, level_verdicts(found, problem, strategy, of),
+                                     part_verdicts(found, problem, strategy, of), unsolved_text(chosen, spec)));
       for (const PooledScores& pooled : result.pooled) {
         if (pooled.problem != problem || pooled.strategy != strategy) continue;
         summary.back()["pooled"] = {{"seeds", pooled.seeds},
@@ -670,8 +685,10 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
       }
     }
   };
-  for (const auto& problem : experiment.problems) add(problem.name);
-  if (experiment.problems.size() > 1) add("");  // all problems together
+  const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
+  for (const auto& problem : experiment.problems) add(problem.name, found);
+  // All problems together.
+  if (experiment.problems.size() > 1) add("", guide_verdicts(experiment, result, true));
 
   std::string out = "{\n";
   out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";

@@ -22,6 +22,7 @@
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
 
@@ -46,7 +47,8 @@ struct Row {
   const StrategySpec* spec;
   RunsSummary summary;
   std::vector<const RunResult*> runs;
-  std::vector<Verdict> verdicts;  ///< of its levels
+  std::vector<Verdict> verdicts;    ///< of its levels
+  std::vector<GuideVerdict> parts;  ///< of its guides without a level
 };
 
 /// One problem, or all of them together, with its strategies and their comparisons.
@@ -64,8 +66,8 @@ const Comparison* comparison_of(const Section& section, const std::string& strat
   return it != section.comparisons.end() ? &*it : nullptr;
 }
 
-Section section_of(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                   std::string heading) {
+Section section_of(const Experiment& experiment, const ExperimentResult& result,
+                   const std::vector<GuideVerdict>& verdicts, const std::string& problem, std::string heading) {
   Section section;
   section.problem = problem;
   section.heading = std::move(heading);
@@ -74,8 +76,9 @@ Section section_of(const Experiment& experiment, const ExperimentResult& result,
   for (const auto& [name, spec] : experiment.strategies) {
     if (is_ablation(experiment, name)) continue;
     auto runs = select_runs(result, problem, name);
-    Row row{name, &spec, summarise(runs), std::move(runs), {}};
-    row.verdicts = verdicts(experiment, result, problem, name, row.summary, section.comparisons);
+    Row row{name, &spec, summarise(runs), std::move(runs), {}, {}};
+    row.verdicts = level_verdicts(verdicts, problem, name, row.summary);
+    row.parts = part_verdicts(verdicts, problem, name, row.summary);
     section.rows.push_back(std::move(row));
   }
   return section;
@@ -97,13 +100,19 @@ std::string strategies_table(const Section& section, std::size_t width) {
   const bool compared = section.rows.size() > 1 && !section.baseline.empty();
   double most = 0.0;
   double slowest = 0.0;
+  bool anytime = false;
+  bool set_up = false;
   for (const Row& row : section.rows) {
+    anytime = anytime || !std::isnan(row.summary.improvement_checks);
+    set_up = set_up || row.summary.set_up_share > least_set_up_share;
     if (std::isfinite(row.summary.validity_checks.value)) most = std::max(most, row.summary.validity_checks.value);
     if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
   }
   const std::string checks = "validity checks, median";
-  std::vector<Table::Column> columns = {text_column("strategy"), number_column({"solved"}), number_column({""}, checks),
-                                        text_column("", checks)};
+  std::vector<Table::Column> columns = {text_column("strategy"), number_column({"solved"}),
+                                        number_column({anytime ? "first path" : ""}, checks), text_column("", checks)};
+  if (anytime) columns.push_back(number_column({"improvement"}, checks));
+  if (set_up) columns.push_back(number_column({"set-up,", "checks"}));
   const std::string beside = "× " + section.baseline;
   if (compared) {
     columns.push_back(number_column({"checks [99 %]"}, beside));
@@ -119,6 +128,8 @@ std::string strategies_table(const Section& section, std::size_t width) {
                                       std::isfinite(s.validity_checks.value) && most > 0.0 && section.rows.size() > 1
                                           ? bar(s.validity_checks.value / most, bar_width)
                                           : ""};
+    if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
+    if (set_up) cells.push_back(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
     if (compared) {
       const Comparison* c = comparison_of(section, row.name);
       cells.push_back(row.name == section.baseline ? "1" : c != nullptr ? ratio_text(c->validity_checks.ratio) : "-");
@@ -148,7 +159,9 @@ struct Nats {
 Nats nats_of(const LevelSummary& level) {
   const Figure& figure = lifted_figure(level);
   if (figure.scored == 0) return {"-", "-", "-"};
-  const std::string mass = interval_text(above(figure.uniform.value, figure.mass_part), 2, true);
+  const double in_target = figure.uniform.value - figure.mass_part.value;
+  const std::string mass = std::isfinite(in_target) ? fixed(in_target, 2, true)
+                                                    : interval_text(above(figure.uniform.value, figure.mass_part), 2);
   if (estimate_fails(figure)) return {"", mass, "", true};
   Interval spread = figure.spread_part;
   spread.value = -spread.value;
@@ -177,7 +190,7 @@ std::string shortened(const std::string& text, std::size_t columns) {
   return cut + "…";
 }
 
-/// A part of a mixture that searches no space and so has no level, such as goal_bias(0.2).
+/// A guide that searches no space and so has no level, such as goal_bias(0.2).
 struct Part {
   std::string name;
   double share = 0.0;  ///< of its level's proposals, over all runs
@@ -196,7 +209,6 @@ std::vector<Part> parts_of(const Row& row, std::size_t level) {
     for (const LevelResult& one : run->levels) {
       if (one.record.key != levels[level].key) continue;
       const Search& search = one.record.search;
-      if (search.sources.size() < unguided.size() + 2) continue;  // no mixture
       all += static_cast<double>(search.proposal_sources.size());
       for (std::size_t i = 0; i < search.sources.size(); ++i) {
         const std::string& name = search.sources[i];
@@ -212,9 +224,9 @@ std::vector<Part> parts_of(const Row& row, std::size_t level) {
   return parts;
 }
 
-/// Whether a strategy has a table of its levels: it has several, or a mixture of guides without a space.
+/// Whether a strategy has a table of its levels: it has several, or a guide without a space.
 bool has_levels_table(const Row& row) {
-  return row.summary.levels.size() > 1 || (!row.summary.levels.empty() && parts_of(row, 0).size() > 1);
+  return row.summary.levels.size() > 1 || (!row.summary.levels.empty() && !parts_of(row, 0).empty());
 }
 
 /// Adds a row for each part of a level that has no level of its own.
@@ -223,6 +235,16 @@ void add_parts(Table& table, const Row& row, std::size_t level, std::size_t inde
     std::vector<std::string> cells(columns);
     cells.front() = shortened(std::string(indent, ' ') + "+ " + part.name, longest_label);
     cells.back() = fmt::format("draws {} % of proposals", percent(part.share));
+    std::vector<std::string> verdicts;
+    for (const GuideVerdict& one : row.parts) {
+      const std::string key = one.key.substr(0, one.key.rfind('/'));
+      const bool here = key == (level == 0 ? "0" : guide_key(row.summary.levels[level].key));
+      // Guides of one name are numbered: "goal_bias(0.2) #2".
+      if (here && one.guide.substr(0, one.guide.find(" #")) == part.name) {
+        verdicts.push_back(verdict_text(one.verdict));
+      }
+    }
+    if (!verdicts.empty()) cells.back() = fmt::format("{}; {}", fmt::join(verdicts, ", "), cells.back());
     table.add(std::move(cells));
   }
 }
@@ -233,19 +255,13 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
   if (!has_levels_table(row)) return "";
   const std::vector<Verdict>& found = row.verdicts;
   const bool measured = experiment.measure.has_value();
-  const bool ablated = std::any_of(found.begin(), found.end(), [](const Verdict& v) { return v.left_out.has_value(); });
   const std::string share = "share, %";
   const std::string nats = "nats above uniform";
-  const std::string left_out = "left out";
   std::vector<Table::Column> columns = {text_column("level"), number_column({"checks"}, share),
                                         number_column({"time"}, share)};
   if (measured) {
     columns.insert(columns.end(),
                    {number_column({"all"}, nats), number_column({"mass"}, nats), number_column({"spread"}, nats)});
-  }
-  if (ablated) {
-    columns.push_back(number_column({"checks"}, left_out));
-    columns.push_back(number_column({"p"}, left_out));
   }
   columns.push_back(text_column("verdict"));
   const std::vector<std::string> labels = level_labels(levels);
@@ -258,11 +274,6 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
       const Nats of = nats_of(levels[i]);
       blank = blank || of.blank;
       cells.insert(cells.end(), {of.total, of.mass, of.spread});
-    }
-    if (ablated) {
-      const auto& costs = found.at(i).left_out;
-      cells.push_back(costs ? "×" + fixed(costs->ratio.value, 2) : "-");
-      cells.push_back(costs ? p_text(costs->holm_p) : "-");
     }
     cells.push_back(i < found.size() ? verdict_text(found[i]) : "");
     table.add(std::move(cells));
@@ -317,42 +328,56 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
           row.name, row.summary.solved, row.summary.runs == 1 ? "1 run" : fmt::format("{} runs", row.summary.runs));
     }
   }
-  const Row* guided = nullptr;
-  std::string costly;
-  std::string misleading;
-  bool short_of_runs = false;
-  bool decided_by_samples = false;
+  bool guided = false;
+  bool tested = true;
+  const GuideVerdict* costly = nullptr;
+  const GuideVerdict* open = nullptr;
+  std::vector<GuideVerdict> all;
   for (const Section& section : sections) {
     for (const Row& row : section.rows) {
-      if (row.spec->guide() == nullptr) continue;
-      if (guided == nullptr) guided = &row;
-      const std::vector<Verdict>& found = row.verdicts;
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        const std::string& level = row.summary.levels[i].name;
-        if (found[i].kind == Verdict::Kind::costs && costly.empty()) costly = level + " of " + row.name;
-        if (found[i].kind == Verdict::Kind::misleads && misleading.empty()) misleading = level + " of " + row.name;
-        if (found[i].kind == Verdict::Kind::too_few_runs) short_of_runs = true;
-        if (found[i].kind != Verdict::Kind::none && !found[i].left_out) decided_by_samples = true;
+      guided = guided || row.spec->guide() != nullptr;
+      for (std::size_t i = 0; i < row.verdicts.size(); ++i) {
+        all.push_back({section.problem, row.name, "", row.summary.levels[i].name, row.verdicts[i]});
       }
+      all.insert(all.end(), row.parts.begin(), row.parts.end());
     }
   }
-  if (guided == nullptr) {
+  for (const GuideVerdict& one : all) {
+    const Verdict& verdict = one.verdict;
+    if (verdict.kind == Verdict::Kind::not_tested) tested = false;
+    if (verdict.kind == Verdict::Kind::costs && costly == nullptr) costly = &one;
+    if (verdict.pairs_needed > 0 && (open == nullptr || verdict.pairs_needed < open->verdict.pairs_needed)) open = &one;
+  }
+  if (!guided) {
     if (experiment.strategies.size() > 1) return "--report full prints every figure";
     const Scene* scene = experiment.problems.empty() ? nullptr : experiment.problems.front().scene.get();
     const bool space = scene != nullptr && scene->spatial() != nullptr;
     return fmt::format("put a guide before the planner, for instance {} >> {}", space ? "workspace()" : "skeleton()",
                        experiment.strategies.front().second.text());
   }
-  if (!costly.empty()) return "leave out " + costly + ": the strategy costs less without it";
-  if (!misleading.empty()) return "examine the proposals of " + misleading + ": --html FILE shows them on the map";
-  if (short_of_runs) {
-    constexpr std::size_t enough = 15;
-    return fmt::format("{} could not show a difference: --seeds {}", plural(experiment.seeds.size(), "seed"),
-                       std::max(enough, 2 * experiment.seeds.size()));
+  if (costly != nullptr) {
+    const double without = 1.0 / costly->verdict.costs->ratio.value;
+    return fmt::format("leave out {} of {}: without it the strategy takes {} the validity checks", costly->guide,
+                       costly->strategy, without > 0.0 ? fmt::format("{:.2g} times", without) : "a fraction of");
   }
-  const bool one = sections.front().rows.size() == 1;
-  if (one) return "add a strategy without a guide to the experiment, to see what the guides save";
-  if (decided_by_samples) return "--ablate runs " + guided->name + " without each of its levels, which decides";
+  if (!tested) {
+    if (experiment.seeds.size() < least_tested_seeds) {
+      return fmt::format("--seeds 15 tests which levels pay; {} cannot show it",
+                         plural(experiment.seeds.size(), "seed"));
+    }
+    if (experiment.ablation == 0.0) return "--ablation 1 tests which levels pay, in as much work as this took";
+    return fmt::format("--ablation {:g} allows more work for the test of which levels pay", 4.0 * experiment.ablation);
+  }
+  if (open != nullptr) {
+    const std::size_t problems = open->problem.empty() ? experiment.problems.size() : 1;
+    const std::size_t seeds = (open->verdict.pairs_needed + problems - 1) / problems;
+    if (seeds <= 4 * experiment.seeds.size()) {
+      return fmt::format("--seeds {} would show whether {} of {} pays", seeds, open->guide, open->strategy);
+    }
+  }
+  if (sections.front().rows.size() == 1) {
+    return "add a strategy without a guide to the experiment, to see what the guides save";
+  }
   return "--report full prints every figure; --html FILE shows the runs";
 }
 
@@ -362,13 +387,15 @@ namespace {
 
 std::vector<Section> sections_of(const Experiment& experiment, const ExperimentResult& result) {
   std::vector<Section> sections;
-  if (experiment.problems.size() > most_single_problems) {
-    sections.push_back(section_of(experiment, result, "",
+  const bool together = experiment.problems.size() > most_single_problems;
+  const std::vector<GuideVerdict> verdicts = guide_verdicts(experiment, result, together);
+  if (together) {
+    sections.push_back(section_of(experiment, result, verdicts, "",
                                   fmt::format("{} problems together ({} … {})", experiment.problems.size(),
                                               experiment.problems.front().name, experiment.problems.back().name)));
   } else {
     for (const Problem& problem : experiment.problems) {
-      sections.push_back(section_of(experiment, result, problem.name, problem.name));
+      sections.push_back(section_of(experiment, result, verdicts, problem.name, problem.name));
     }
   }
   return sections;

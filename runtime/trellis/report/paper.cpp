@@ -14,6 +14,7 @@
 #include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
@@ -203,11 +204,13 @@ class Tables {
 
   std::string csv() {
     std::string text = "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite\n";
-    const auto add = [&](const std::string& problem, const std::string& strategy, const char* role, const char* path,
-                         const std::string& estimator, const char* quantity, const Interval& x) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem), csv_text(strategy), role, path,
-                          csv_text(estimator), quantity, number(x.value), number(x.lo), number(x.hi), x.n, x.infinite);
+    const auto add = [&](const std::string& problem, const std::string& strategy, const std::string& role,
+                         const char* path, const std::string& estimator, const char* quantity, const Interval& x) {
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem), csv_text(strategy), csv_text(role), path,
+                      csv_text(estimator), quantity, number(x.value), number(x.lo), number(x.hi), x.n, x.infinite);
     };
+    const std::vector<GuideVerdict> verdicts = guide_verdicts(experiment_, result_, false);
     for (const Problem& problem : experiment_.problems) {
       for (const auto& [name, spec] : experiment_.strategies) {
         const auto chosen = select_runs(result_, problem.name, name);
@@ -215,6 +218,10 @@ class Tables {
         add(problem.name, name, "", "", "", "success", summary.success);
         add(problem.name, name, "", "", "", "length", summary.length);
         add(problem.name, name, "", "", "", "validity_checks", summary.validity_checks);
+        for (const GuideVerdict& one : verdicts) {
+          if (one.problem != problem.name || one.strategy != name || !one.verdict.costs) continue;
+          add(problem.name, name, one.guide, "", "", "checks_with_to_without", one.verdict.costs->ratio);
+        }
         for (const NamedRole& role : roles()) {
           for (const NamedPath& path : paths()) {
             for (const std::string& estimator : estimators_) {

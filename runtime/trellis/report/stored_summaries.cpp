@@ -158,6 +158,9 @@ RunsSummary summary_of(const Json& json) {
   summary.spent_validity_checks = number(all.at("validity_checks"));
   summary.spent_motion_checks = number(all.at("motion_checks"));
   summary.spent_seconds = number(all.at("time_s"));
+  summary.improvement_checks = number(field(json, "improvement_checks_median"));
+  summary.set_up = number(field(json, "set_up_median"));
+  if (const Json& share = field(json, "set_up_share"); share.is_number()) summary.set_up_share = number(share);
   summary.length = interval(json.at("length"));
   // Missing in documents of before.
   if (const auto law = json.find("bounded_loss"); law != json.end() && law->is_object()) {
@@ -173,16 +176,33 @@ RunsSummary summary_of(const Json& json) {
   return summary;
 }
 
-Verdict verdict_of(const Json& json) {
+PairedCosts costs_of(const Json& json) {
+  PairedCosts costs;
+  costs.ratio = interval(json.at("ratio"));
+  costs.pairs = json.at("pairs").get<std::size_t>();
+  costs.less = json.at("less").get<std::size_t>();
+  costs.greater = json.at("greater").get<std::size_t>();
+  costs.equal = json.at("equal").get<std::size_t>();
+  costs.sign_p = number(json.at("sign_p"));
+  costs.holm_p = number(json.at("holm_p"));
+  return costs;
+}
+
+Verdict stored_verdict(const Json& json) {
   Verdict verdict;
   if (json.is_null()) return verdict;
   const auto word = json.at("verdict").get<std::string>();
-  for (const auto kind : {Verdict::Kind::pays, Verdict::Kind::costs, Verdict::Kind::misleads, Verdict::Kind::not_shown,
-                          Verdict::Kind::too_few_runs}) {
+  for (const auto kind :
+       {Verdict::Kind::pays, Verdict::Kind::costs, Verdict::Kind::not_shown, Verdict::Kind::not_tested}) {
     verdict.kind = kind;
     if (verdict_word(verdict) == word) break;
   }
-  verdict.reason = string_of(json.at("reason"));
+  if (const Json& costs = field(json, "costs"); !costs.is_null()) verdict.costs = costs_of(costs);
+  if (const Json& pairs = field(json, "pairs_needed"); pairs.is_number()) {
+    verdict.pairs_needed = pairs.get<std::size_t>();
+  }
+  verdict.together = field(json, "together").is_boolean() && json.at("together").get<bool>();
+  verdict.reason = string_of(field(json, "explained_by"));
   return verdict;
 }
 
@@ -199,11 +219,15 @@ std::vector<StoredSummary> read_stored_summaries(const std::string& document, co
     for (const Json& entry : json.at("summary")) {
       const auto strategy = entry.at("strategy").get<std::string>();
       const bool ablation = ablations.contains(strategy);
-      summaries.push_back({string_of(entry.at("problem")), strategy, ablation, summary_of(entry), {}, {}});
+      summaries.push_back({string_of(entry.at("problem")), strategy, ablation, summary_of(entry), {}, {}, {}});
       summaries.back().unsolved = string_of(field(entry, "unsolved_reasons"));
       if (ablation) continue;
       for (const Json& level : entry.at("levels")) {
-        summaries.back().verdicts.push_back(verdict_of(field(level, "verdict")));
+        summaries.back().verdicts.push_back(stored_verdict(field(level, "verdict")));
+      }
+      for (const Json& part : field(entry, "guides_without_level")) {
+        summaries.back().parts.push_back({string_of(entry.at("problem")), strategy, part.at("key").get<std::string>(),
+                                          part.at("guide").get<std::string>(), stored_verdict(part.at("verdict"))});
       }
     }
     return summaries;

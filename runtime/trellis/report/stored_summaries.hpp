@@ -14,9 +14,10 @@ struct StoredSummary {
   std::string problem;  ///< "": all problems together
   std::string strategy;
   bool ablation = false;
-  RunsSummary summary;            ///< without the reasons of missing scores, which documents do not store
-  std::vector<Verdict> verdicts;  ///< on its levels; empty for an ablation. Without the costs of ablations
-  std::string unsolved;           ///< why runs found no path, "" where all did
+  RunsSummary summary;              ///< without the reasons of missing scores, which documents do not store
+  std::vector<Verdict> verdicts;    ///< on its levels; empty for an ablation
+  std::vector<GuideVerdict> parts;  ///< on its guides without a level
+  std::string unsolved;             ///< why runs found no path, "" where all did
 };
 
 /// Returns the summaries of a document, in its order. None of a sweep's document, which is not scored.

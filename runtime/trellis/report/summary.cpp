@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include <trellis/planner/planner.hpp>
 #include <trellis/report/measures.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/words.hpp>
@@ -364,6 +365,13 @@ std::vector<std::uint64_t> parse_key(const std::string& key) {
 
 namespace {
 
+/// Whether the root's planner continues after its first path.
+bool is_anytime(const RunResult& run) {
+  if (run.levels.empty()) return false;
+  const PlannerKind* planner = find_planner(run.levels.front().record.planner);
+  return planner != nullptr && planner->component->find("improve") != nullptr;
+}
+
 BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
   BesideSummary beside;
   std::vector<double> shares;
@@ -385,9 +393,17 @@ BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
 
 }  // namespace
 
+CensoredCost path_cost(const RunResult& run) {
+  return {static_cast<double>(run.run.validity_checks - run.run.improvement_checks), run.run.solved};
+}
+
 RunsSummary summarise(std::span<const RunResult* const> runs) {
   RunsSummary result;
   result.runs = runs.size();
+  std::vector<CensoredCost> first_path;
+  std::vector<double> improvement;
+  std::vector<double> set_up;
+  std::vector<double> work;
   std::vector<CensoredCost> validity;
   std::vector<CensoredCost> motion;
   std::vector<CensoredCost> seconds;
@@ -395,6 +411,12 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   // By key: a run that ended early may lack the deeper levels.
   std::map<std::vector<std::uint64_t>, LevelResults> levels;
   for (const auto* run : runs) {
+    first_path.push_back(path_cost(*run));
+    if (run->run.solved && is_anytime(*run)) {
+      improvement.push_back(static_cast<double>(run->run.improvement_checks));
+    }
+    set_up.push_back(run->run.set_up);
+    work.push_back(run->run.work);
     validity.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
     motion.push_back({static_cast<double>(run->run.motion_checks), run->run.solved});
     seconds.push_back({run->run.seconds, run->run.solved});
@@ -405,7 +427,10 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
     for (const auto& level : run->levels) levels[parse_key(level.record.key)].push_back(&level);
   }
   result.success = wilson_interval(result.solved, result.runs);
-  result.validity_checks = median_cost(validity);
+  result.validity_checks = median_cost(first_path);
+  result.improvement_checks = median(improvement);
+  result.set_up = median(set_up);
+  if (const double all = median(work); all > 0.0) result.set_up_share = result.set_up / all;
   result.motion_checks = median_cost(motion);
   result.seconds = median_cost(seconds);
   result.spent_validity_checks = median_spent(validity);
@@ -457,8 +482,7 @@ std::vector<Comparison> compare_on(const Experiment& experiment, const Experimen
     const auto costs = [](const std::vector<const RunResult*>& runs) {
       std::vector<CensoredCost> list;
       list.reserve(runs.size());
-      for (const RunResult* run : runs)
-        list.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
+      for (const RunResult* run : runs) list.push_back(path_cost(*run));
       return list;
     };
     const auto values = [](const std::vector<const RunResult*>& runs, auto field) {

@@ -134,12 +134,16 @@ struct BesideSummary {
   std::size_t no_guided = 0;   ///< other runs in which the guides of the root drew no proposal
 };
 
+/// The set-up of guides has a column in tables where it is more than this share of the work.
+inline constexpr double least_set_up_share = 0.1;
+
 /// The runs of one strategy on one problem, or on all problems together.
 struct RunsSummary {
   std::size_t runs = 0;
   Interval success;  ///< Wilson
   std::size_t solved = 0;
-  /// The cost of a path over all levels: medians over all runs, an unsolved one infinite, with 99 % intervals.
+  /// The cost of a path over all levels: medians over all runs, an unsolved one infinite, with 99 % intervals. Validity
+  /// checks are those until the first path.
   Interval validity_checks;
   Interval motion_checks;
   Interval seconds;
@@ -147,6 +151,12 @@ struct RunsSummary {
   double spent_validity_checks = std::numeric_limits<double>::quiet_NaN();
   double spent_motion_checks = std::numeric_limits<double>::quiet_NaN();
   double spent_seconds = std::numeric_limits<double>::quiet_NaN();
+  /// Validity checks that an anytime planner spent on shorter paths after its first: the median over the solved runs;
+  /// NaN for other planners.
+  double improvement_checks = std::numeric_limits<double>::quiet_NaN();
+  /// Work to set up the guides for a run alone (RunRecord::set_up): the median over the runs.
+  double set_up = std::numeric_limits<double>::quiet_NaN();
+  double set_up_share = 0.0;         ///< the same relative to the median work of a run
   Interval length;                   ///< mean over the solved runs, metres of the metric
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;
@@ -171,6 +181,9 @@ struct Comparison {
 
 /// Parses a level's key, "0.1.10", into numbers, so that levels sort depth first and 10 comes after 9.
 std::vector<std::uint64_t> parse_key(const std::string& key);
+
+/// Returns the validity checks of a run until its first path.
+CensoredCost path_cost(const RunResult& run);
 
 RunsSummary summarise(std::span<const RunResult* const> runs);
 

@@ -586,6 +586,16 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                         number_column({"motion", "checks"}, "medians, all levels"),
                                         number_column({"time", "ms"}, "medians, all levels"),
                                         number_column({"path length", "m, mean"})};
+  const bool anytime =
+      std::any_of(rows.begin(), rows.end(), [](const Row& r) { return !std::isnan(r.summary.improvement_checks); });
+  const bool set_up =
+      std::any_of(rows.begin(), rows.end(), [](const Row& r) { return r.summary.set_up_share > least_set_up_share; });
+  const std::string medians = "medians, all levels";
+  if (set_up) columns.insert(columns.begin() + 4, number_column({"set-up,", "checks"}, medians));
+  if (anytime) {
+    columns[3] = number_column({"checks to", "first path"}, medians);
+    columns.insert(columns.begin() + 4, number_column({"checks of", "improvement"}, medians));
+  }
   const RootColumns root(rows);
   if (measured) root.add_columns(columns);
   double slowest = 0.0;
@@ -595,13 +605,12 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
   Table table(columns);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const RunsSummary& s = rows[i].summary;
-    std::vector<std::string> cells = {rows[i].strategy,
-                                      fmt::format("{}/{}", s.solved, s.runs),
-                                      wilson_text(s.success),
-                                      count_text(s.validity_checks.value),
-                                      count_text(s.motion_checks.value),
-                                      milliseconds_text(s.seconds.value, decimals_for(slowest)),
-                                      interval_text(s.length)};
+    std::vector<std::string> cells = {rows[i].strategy, fmt::format("{}/{}", s.solved, s.runs), wilson_text(s.success),
+                                      count_text(s.validity_checks.value)};
+    if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
+    if (set_up) cells.push_back(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
+    cells.insert(cells.end(), {count_text(s.motion_checks.value),
+                               milliseconds_text(s.seconds.value, decimals_for(slowest)), interval_text(s.length)});
     if (measured) root.add_cells(i, root_of(rows[i]), cells);
     table.add(std::move(cells));
   }

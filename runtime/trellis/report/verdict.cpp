@@ -8,6 +8,7 @@
 #include <limits>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/words.hpp>
 #include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
@@ -15,15 +16,7 @@ namespace trellis {
 namespace {
 
 constexpr double level_of_significance = 0.05;
-
-enum class Sign : std::uint8_t { unknown, below, above };
-
-/// Returns the side of `zero` on which the whole interval lies.
-Sign sign_of(const Interval& figure, double zero) {
-  if (figure.lo > zero) return Sign::above;
-  if (figure.hi < zero) return Sign::below;
-  return Sign::unknown;
-}
+constexpr double power = 0.8;
 
 Interval point(double value) {
   Interval interval;
@@ -41,91 +34,105 @@ Interval difference(const Interval& a, const Interval& b) {
   return interval;
 }
 
-/// Whether a strategy costs less than its reference, or more.
-Sign costs_of(const PairedCosts& costs) {
-  if (costs.pairs == 0 || costs.holm_p >= level_of_significance) return Sign::unknown;
-  return costs.less > costs.greater ? Sign::below : Sign::above;
-}
-
-/// A guide's strategy without it, and whether the guide's own guides remain.
-struct Without {
-  StrategySpec strategy;
-  bool skipped = false;
-};
-
-/// With uniform sampling in place of its guide, the strategy samples as its planner alone does.
-bool same_search(const StrategySpec& a, const StrategySpec& b) {
-  const auto plain = [](const StrategySpec& s) { return s.guide() == nullptr || s.guide()->text() == "uniform()"; };
-  return a == b || (plain(a) && plain(b) && a.planner() == b.planner());
-}
-
-/// Returns the strategy without the guide whose space `level` searches, if there is one.
-std::optional<Without> without(const StrategySpec& strategy, const std::vector<LevelSummary>& levels,
-                               std::size_t level) {
-  const auto called_so = [&](const LevelSummary& other) { return other.name == levels[level].name; };
-  const auto among = static_cast<std::size_t>(
-      std::count_if(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(level), called_so));
-  std::optional<Without> found;
-  for (const Ablation& ablation : ablations(strategy)) {
-    if (ablation.level != levels[level].name || ablation.among != among) continue;
-    if (!found || ablation.skipped) found = Without{ablation.strategy, ablation.skipped};
+/// The costs of a strategy on a problem or, with "", on all, by problem and seed.
+std::vector<std::vector<CensoredCost>> costs_of(const Experiment& experiment, const ExperimentResult& result,
+                                                const std::string& problem, const std::string& strategy) {
+  std::vector<std::vector<CensoredCost>> costs;
+  for (const Problem& one : experiment.problems) {
+    if (!problem.empty() && one.name != problem) continue;
+    costs.emplace_back();
+    for (const RunResult* run : select_runs(result, one.name, strategy)) costs.back().push_back(path_cost(*run));
   }
-  return found;
+  return costs;
 }
 
-Verdict by_ablation(const PairedCosts& left_out, std::size_t tests) {
-  Verdict verdict;
-  verdict.left_out = left_out;
-  switch (costs_of(left_out)) {
-    case Sign::above:
-      verdict.kind = Verdict::Kind::pays;
-      verdict.reason = "checks";
-      break;
-    case Sign::below:
-      verdict.kind = Verdict::Kind::costs;
-      verdict.reason = "checks";
-      break;
-    case Sign::unknown:
-      verdict.kind = could_show(left_out, tests) ? Verdict::Kind::not_shown : Verdict::Kind::too_few_runs;
-      break;
+/// The costs of a strategy without a guide, by problem and seed.
+std::vector<std::vector<CensoredCost>> costs_without(const Experiment& experiment, const ExperimentResult& result,
+                                                     const std::string& problem, const std::string& strategy,
+                                                     const Ablation& ablation) {
+  if (const auto* equal = equal_strategy(experiment, strategy, ablation.strategy)) {
+    return costs_of(experiment, result, problem, equal->first);
   }
-  return verdict;
+  std::vector<std::vector<CensoredCost>> costs;
+  for (const Problem& one : experiment.problems) {
+    if (!problem.empty() && one.name != problem) continue;
+    costs.emplace_back();
+    for (const LeftOut& left_out : result.left_out) {
+      if (left_out.problem == one.name && left_out.strategy == strategy && left_out.key == ablation.key) {
+        costs.back() = left_out.costs;
+      }
+    }
+  }
+  return costs;
 }
 
-/// The verdict from the level's samples, where no ablation was run.
-Verdict by_samples(const RunsSummary& summary, std::size_t level, Sign whole) {
-  Verdict verdict;
+/// Pairs the costs of the first seeds of each problem, as many as both have.
+std::optional<PairedCosts> pairs_of(const std::vector<std::vector<CensoredCost>>& with,
+                                    const std::vector<std::vector<CensoredCost>>& without) {
+  std::vector<CensoredCost> mine;
+  std::vector<CensoredCost> reference;
+  for (std::size_t p = 0; p < with.size(); ++p) {
+    const std::size_t n = std::min(with[p].size(), without[p].size());
+    for (std::size_t i = 0; i < n; ++i) {
+      mine.push_back(with[p][i]);
+      reference.push_back(without[p][i]);
+    }
+  }
+  if (mine.empty()) return std::nullopt;
+  return paired_costs(mine, reference);
+}
+
+/// Log of the probability of k successes in n.
+double log_binomial(std::size_t n, std::size_t k, double p) {
+  const auto lg = [](std::size_t x) { return std::lgamma(static_cast<double>(x) + 1.0); };
+  const auto times = [](std::size_t x, double log) { return x == 0 ? 0.0 : static_cast<double>(x) * log; };
+  return lg(n) - lg(k) - lg(n - k) + times(k, std::log(p)) + times(n - k, std::log1p(-p));
+}
+
+/// Returns the probability that a two-sided sign test of n signs, each `p` likely, falls below `alpha` on their side.
+double power_of(std::size_t n, double p, double alpha) {
+  double tail = 0.0;     // of equally likely signs
+  double reached = 0.0;  // of these
+  for (std::size_t k = n; 2 * k > n; --k) {
+    tail += std::exp(log_binomial(n, k, 0.5));
+    if (2.0 * tail >= alpha) break;
+    reached += std::exp(log_binomial(n, k, p));
+  }
+  return reached;
+}
+
+/// What of the divergence of a level's samples, lifted to the root, explains the effect of its guide: the part that the
+/// level reduces (`less`) or increases more than the level that guides it, if its interval over the runs shows it.
+std::string reason_of(const RunsSummary& summary, std::size_t level, bool less) {
   const Figure& figure = lifted_figure(summary.levels[level]);
-  const std::size_t runs = figure.scored > 0 ? figure.scored : summary.levels[level].runs;
-  verdict.kind = runs < least_for_interval ? Verdict::Kind::too_few_runs : Verdict::Kind::not_shown;
-  if (figure.scored < least_for_interval) return verdict;
-  const double uniform = figure.uniform.value;
-  // The mass of uniform samples equals their divergence, because they cover the target evenly.
-  if (sign_of(figure.mass_part, uniform) == Sign::above) {
-    verdict.kind = Verdict::Kind::misleads;
-    verdict.reason = "mass";
-    return verdict;
-  }
+  if (figure.scored < least_for_interval) return "";
   const auto& steps = summary.tree_waterfall.steps;
   const auto step = std::find_if(steps.begin(), steps.end(),
                                  [&](const WaterfallStep& s) { return s.level == static_cast<int>(level); });
-  if (step == steps.end()) return verdict;
+  if (step == steps.end()) return "";
   const Figure* before =
       step->from < 0 ? nullptr : &lifted_figure(summary.levels[static_cast<std::size_t>(step->from)]);
-  const Interval mass_before = before != nullptr ? before->mass_part : point(uniform);
+  // The mass of uniform samples equals their divergence, because they cover the target evenly.
+  const Interval mass =
+      difference(before != nullptr ? before->mass_part : point(figure.uniform.value), figure.mass_part);
+  const auto shown = [&](const Interval& reduced) { return less ? reduced.lo > 0.0 : reduced.hi < 0.0; };
   const bool by_mass = estimate_fails(figure) || (before != nullptr && estimate_fails(*before));
-  const Sign added = by_mass ? sign_of(difference(mass_before, figure.mass_part), 0.0) : sign_of(step->added, 0.0);
-  if (added == Sign::above && whole == Sign::below) {
-    verdict.kind = Verdict::Kind::pays;
-    // Name the part of the divergence that the level reduces more.
-    const double mass = mass_before.value - figure.mass_part.value;
-    const double spread = (before != nullptr ? before->spread_part.value : 0.0) - figure.spread_part.value;
-    if (!std::isnan(mass)) verdict.reason = !by_mass && spread > mass ? "spread" : "mass";
-  } else if (added != Sign::above && whole == Sign::above) {
-    verdict.kind = Verdict::Kind::costs;
-    verdict.reason = "checks";
-  }
-  return verdict;
+  if (by_mass) return shown(mass) ? "mass" : "";
+  const Interval spread = difference(before != nullptr ? before->spread_part : point(0.0), figure.spread_part);
+  const bool spread_more = less ? spread.value > mass.value : spread.value < mass.value;
+  if (spread_more && shown(spread)) return "spread";
+  return shown(mass) ? "mass" : shown(spread) ? "spread" : "";
+}
+
+/// "0.31", "1.6", "<0.05" where the runs without the guide were cut off.
+std::string ratio_word(double ratio) {
+  if (ratio == 0.0) return fmt::format("<{:g}", 1.0 / most_left_out_work);
+  return std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "inf";
+}
+
+bool has_level(const RunsSummary& summary, const std::string& key) {
+  return std::any_of(summary.levels.begin(), summary.levels.end(),
+                     [&](const LevelSummary& level) { return guide_key(level.key) == key; });
 }
 
 }  // namespace
@@ -135,16 +142,26 @@ std::string verdict_word(const Verdict& verdict) {
     case Verdict::Kind::none: return "";
     case Verdict::Kind::pays: return "pays";
     case Verdict::Kind::costs: return "costs";
-    case Verdict::Kind::misleads: return "misleads";
     case Verdict::Kind::not_shown: return "not shown";
-    case Verdict::Kind::too_few_runs: return "too few runs to say";
+    case Verdict::Kind::not_tested: return "not tested";
   }
   throw Fault("unknown verdict");
 }
 
 std::string verdict_text(const Verdict& verdict) {
-  const std::string word = verdict_word(verdict);
-  return verdict.reason.empty() ? word : fmt::format("{} ({})", word, verdict.reason);
+  std::string text = verdict_word(verdict);
+  if (!verdict.costs) return text;
+  if (verdict.kind == Verdict::Kind::not_shown) {
+    text += " (" + plural(verdict.costs->pairs, verdict.together ? "pair" : "seed");
+    if (verdict.pairs_needed > 0) text += fmt::format("; ~{} would show it", verdict.pairs_needed);
+    return text + ")";
+  }
+  const Interval& ratio = verdict.costs->ratio;
+  text += " ×" + ratio_word(ratio.value);
+  if (std::isfinite(ratio.lo) && std::isfinite(ratio.hi)) {
+    text += fmt::format(" [{:.2g}, {:.2g}]", ratio.lo, ratio.hi);
+  }
+  return verdict.reason.empty() ? text : fmt::format("{} ({})", text, verdict.reason);
 }
 
 const Figure& lifted_figure(const LevelSummary& level) {
@@ -159,77 +176,89 @@ bool estimate_fails(const Figure& figure) {
   });
 }
 
-bool could_show(const PairedCosts& costs, std::size_t tests) {
-  return sign_test(costs.pairs, 0) * static_cast<double>(std::max<std::size_t>(tests, 1)) < level_of_significance;
+std::size_t pairs_needed(const PairedCosts& costs, std::size_t tests) {
+  const std::size_t signs = costs.less + costs.greater;
+  if (signs == 0) return 0;
+  const double share =
+      (static_cast<double>(std::max(costs.less, costs.greater)) + 1.0) / (static_cast<double>(signs) + 2.0);
+  const double alpha = level_of_significance / static_cast<double>(std::max<std::size_t>(tests, 1));
+  const double untied = static_cast<double>(signs) / static_cast<double>(costs.pairs);
+  for (std::size_t pairs = costs.pairs + 1; pairs <= most_pairs; pairs += 1 + pairs / 50) {
+    const auto n = static_cast<std::size_t>(std::floor(untied * static_cast<double>(pairs)));
+    if (power_of(n, share, alpha) >= power) return pairs;
+  }
+  return 0;
 }
 
-std::vector<std::optional<PairedCosts>> costs_without_levels(const Experiment& experiment,
-                                                             const ExperimentResult& result, const std::string& problem,
-                                                             const std::string& strategy,
-                                                             const std::vector<LevelSummary>& levels) {
-  std::vector<std::optional<PairedCosts>> found(levels.size());
-  const auto& all = experiment.strategies;
-  const auto whole = std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == strategy; });
-  if (whole == all.end()) return found;
-  const auto costs_of = [&](const std::string& name) {
-    std::vector<CensoredCost> costs;
-    for (const RunResult* run : select_runs(result, problem, name)) {
-      costs.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
-    }
-    return costs;
-  };
-  const std::vector<CensoredCost> reference = costs_of(strategy);
-  std::vector<double> p(levels.size(), std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (levels[i].parent < 0) continue;
-    const auto rest = without(whole->second, levels, i);
-    if (!rest) continue;
-    const auto other = std::find_if(all.begin(), all.end(), [&](const auto& entry) {
-      return entry.first != strategy && same_search(entry.second, rest->strategy);
-    });
-    if (other == all.end()) continue;
-    const std::vector<CensoredCost> mine = costs_of(other->first);
-    if (mine.size() != reference.size()) continue;
-    found[i] = paired_costs(mine, reference);
-    p[i] = found[i]->sign_p;
+Verdict verdict_of(const PairedCosts& costs, std::size_t tests) {
+  Verdict verdict;
+  verdict.costs = costs;
+  if (costs.holm_p < level_of_significance) {
+    verdict.kind = costs.less > costs.greater ? Verdict::Kind::pays : Verdict::Kind::costs;
+  } else {
+    verdict.kind = Verdict::Kind::not_shown;
+    verdict.pairs_needed = pairs_needed(costs, tests);
   }
+  return verdict;
+}
+
+std::vector<GuideVerdict> guide_verdicts(const Experiment& experiment, const ExperimentResult& result, bool together) {
+  std::vector<GuideVerdict> found;
+  std::vector<std::string> problems = {""};
+  if (!together) {
+    problems.clear();
+    for (const Problem& problem : experiment.problems) problems.push_back(problem.name);
+  }
+  std::vector<double> p;
+  for (const std::string& problem : problems) {
+    for (const auto& [name, strategy] : experiment.strategies) {
+      if (is_ablation(experiment, name)) continue;
+      const auto with = costs_of(experiment, result, problem, name);
+      for (const Ablation& ablation : decisive_ablations(strategy)) {
+        found.push_back({problem, name, ablation.key, ablation.guide, {}});
+        Verdict& verdict = found.back().verdict;
+        verdict.kind = Verdict::Kind::not_tested;
+        verdict.costs = pairs_of(with, costs_without(experiment, result, problem, name, ablation));
+        p.push_back(verdict.costs ? verdict.costs->sign_p : std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+  }
+  const auto tests =
+      static_cast<std::size_t>(std::count_if(p.begin(), p.end(), [](double one) { return !std::isnan(one); }));
   p = holm(p);
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (found[i]) found[i]->holm_p = p[i];
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    Verdict& verdict = found[i].verdict;
+    if (!verdict.costs) continue;
+    verdict.costs->holm_p = p[i];
+    verdict = verdict_of(*verdict.costs, tests);
+    verdict.together = together && experiment.problems.size() > 1;
   }
   return found;
 }
 
-std::vector<Verdict> verdicts(const RunsSummary& summary, const std::vector<std::optional<PairedCosts>>& without,
-                              const PairedCosts* whole) {
-  const Sign costs = whole != nullptr ? costs_of(*whole) : Sign::unknown;
-  const auto tests = static_cast<std::size_t>(
-      std::count_if(without.begin(), without.end(), [](const auto& one) { return one.has_value(); }));
-  std::vector<Verdict> result;
-  result.reserve(summary.levels.size());
+std::vector<Verdict> level_verdicts(const std::vector<GuideVerdict>& found, const std::string& problem,
+                                    const std::string& strategy, const RunsSummary& summary) {
+  const auto of_strategy = [&](const GuideVerdict& one) { return one.problem == problem && one.strategy == strategy; };
+  if (std::none_of(found.begin(), found.end(), of_strategy)) return {};
+  std::vector<Verdict> verdicts(summary.levels.size());
   for (std::size_t i = 0; i < summary.levels.size(); ++i) {
-    if (summary.levels[i].parent < 0) {
-      result.emplace_back();
-    } else {
-      result.push_back(without[i] ? by_ablation(*without[i], tests) : by_samples(summary, i, costs));
+    const std::string key = guide_key(summary.levels[i].key);
+    for (const GuideVerdict& one : found) {
+      if (of_strategy(one) && one.key == key) verdicts[i] = one.verdict;
     }
+    if (verdicts[i].kind == Verdict::Kind::pays) verdicts[i].reason = reason_of(summary, i, true);
+    if (verdicts[i].kind == Verdict::Kind::costs) verdicts[i].reason = reason_of(summary, i, false);
   }
-  return result;
+  return verdicts;
 }
 
-std::vector<Verdict> verdicts(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                              const std::string& strategy, const RunsSummary& summary,
-                              const std::vector<Comparison>& comparisons) {
-  if (is_ablation(experiment, strategy)) return {};
-  const auto beside =
-      std::find_if(comparisons.begin(), comparisons.end(), [&](const Comparison& c) { return c.strategy == strategy; });
-  return verdicts(summary, costs_without_levels(experiment, result, problem, strategy, summary.levels),
-                  beside != comparisons.end() ? &beside->validity_checks : nullptr);
-}
-
-bool is_ablation(const Experiment& experiment, const std::string& strategy) {
-  return std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
-                     [&](const AblationLink& link) { return link.strategy == strategy; });
+std::vector<GuideVerdict> part_verdicts(const std::vector<GuideVerdict>& found, const std::string& problem,
+                                        const std::string& strategy, const RunsSummary& summary) {
+  std::vector<GuideVerdict> parts;
+  for (const GuideVerdict& one : found) {
+    if (one.problem == problem && one.strategy == strategy && !has_level(summary, one.key)) parts.push_back(one);
+  }
+  return parts;
 }
 
 }  // namespace trellis

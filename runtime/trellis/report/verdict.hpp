@@ -1,41 +1,80 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decides from the runs which levels of a hierarchy reduce the cost.
+// Decides whether a guide pays: an experiment, the strategy with and without it on the same seeds.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <trellis/experiment/left_out.hpp>
 #include <trellis/report/summary.hpp>
 
 namespace trellis {
 
-/// The verdict of the runs on a level that guides another.
+/// The verdict on a guide of a strategy.
 struct Verdict {
   enum class Kind : std::uint8_t {
-    none,      ///< the root, which guides nothing
-    pays,      ///< without it the strategy costs more; or it moves samples nearer to the path and the complete strategy
-               ///< pays
-    costs,     ///< without it the strategy costs less; or it moves no samples and the complete strategy costs more than
-               ///< the baseline
-    misleads,  ///< its samples lie in the target less often than uniform samples
-    not_shown,     ///< the runs show neither
-    too_few_runs,  ///< too few runs for any result to be significant
+    none,        ///< there is no guide to test: the root, a half of a split search, a level of an ablation
+    pays,        ///< the strategy costs less than without it
+    costs,       ///< the strategy costs more than without it
+    not_shown,   ///< the runs show neither
+    not_tested,  ///< the strategy was not run without it
   };
   Kind kind = Kind::none;
-  /// The evidence: "checks", "mass" (the share of samples in the target) or "spread" (how evenly these cover it); ""
-  /// without evidence.
+  /// Validity checks until the first path of the complete strategy and of the one without the guide, paired by seed:
+  /// the ratio is below 1 where the guide pays. `holm_p` is corrected over all verdicts of a report. None without such
+  /// runs.
+  std::optional<PairedCosts> costs = {};
+  /// Of a verdict that is not shown: the pairs with which the observed difference would be shown with a probability of
+  /// 80 %; 0 where that takes more than `most_pairs`.
+  std::size_t pairs_needed = 0;
+  bool together = false;  ///< the pairs are those of several problems
+  /// What of the divergence explains a verdict that is shown: "mass" (the share of samples in the target) or "spread"
+  /// (how evenly these cover it); "" where neither does.
   std::string reason = {};
-  /// Validity checks of the strategy without the level and of the complete one, paired by seed. None without an
-  /// ablation.
-  std::optional<PairedCosts> left_out = {};
 };
 
-/// "pays", "costs", "misleads", "not shown", "too few runs to say", "" for the root.
+/// The verdict on one guide on a problem or, with "", on all of them.
+struct GuideVerdict {
+  std::string problem;
+  std::string strategy;
+  std::string key;    ///< Ablation::key
+  std::string guide;  ///< Ablation::guide
+  Verdict verdict;
+};
+
+/// "pays", "costs", "not shown", "not tested"; "" for none.
 std::string verdict_word(const Verdict& verdict);
-/// "pays (checks)", "not shown", "" for the root.
+/// "pays ×0.31 [0.25, 0.40] (mass)", "costs ×1.6", "not shown (15 seeds; ~40 would show it)".
 std::string verdict_text(const Verdict& verdict);
+
+/// Returns the verdicts on all guides of all strategies that are no ablations: on each problem, or on all together. A
+/// difference counts at p < 0.05 in the sign test with Holm's correction over all these verdicts. The runs without a
+/// guide are those of a strategy of the experiment that searches so, or of ExperimentResult::left_out. The guide's own
+/// guides take its place.
+std::vector<GuideVerdict> guide_verdicts(const Experiment& experiment, const ExperimentResult& result, bool together);
+
+/// Returns the verdicts on the levels of a strategy, with the reasons; none for an ablation.
+/// \param found  the verdicts of a report
+std::vector<Verdict> level_verdicts(const std::vector<GuideVerdict>& found, const std::string& problem,
+                                    const std::string& strategy, const RunsSummary& summary);
+
+/// Returns the verdicts on the guides of a strategy that have no level, such as goal_bias().
+std::vector<GuideVerdict> part_verdicts(const std::vector<GuideVerdict>& found, const std::string& problem,
+                                        const std::string& strategy, const RunsSummary& summary);
+
+/// The verdict from costs with and without a guide.
+/// \param costs  with Holm's p value
+/// \param tests  number of verdicts that the p value is corrected for
+Verdict verdict_of(const PairedCosts& costs, std::size_t tests);
+
+inline constexpr std::size_t most_pairs = 1000;
+/// Returns the number of pairs with which a sign test at 5 %, corrected for `tests` tests, shows a difference with a
+/// probability of 80 %, if it is as large as in these pairs (Laplace's estimate, ties in proportion); at least one more
+/// than there are. 0: more than `most_pairs`.
+std::size_t pairs_needed(const PairedCosts& costs, std::size_t tests);
 
 /// Returns the statistics of a level's nodes on the root's target: on other seeds' paths where there are any, else on
 /// its own.
@@ -44,39 +83,5 @@ const Figure& lifted_figure(const LevelSummary& level);
 /// Whether, in at least half of its runs, the estimate is certainly wrong or has too few samples. The mass is a count
 /// and remains valid.
 bool estimate_fails(const Figure& figure);
-
-/// Returns, for each level of a strategy, the costs of the strategy without it and of the complete one, paired by seed.
-/// The strategy without a level is an ablation, or any equal strategy of the experiment: `skeleton() >> rrt()` is
-/// `skeleton() >> lazy() >> rrt()` without `lazy()`. The level's own guides replace it if it has any, else uniform
-/// sampling. None for the root, and where no such strategy was run. Holm's correction applies to the p values over the
-/// levels.
-std::vector<std::optional<PairedCosts>> costs_without_levels(const Experiment& experiment,
-                                                             const ExperimentResult& result, const std::string& problem,
-                                                             const std::string& strategy,
-                                                             const std::vector<LevelSummary>& levels);
-
-/// Returns the verdict on each level of a strategy. If the strategy without the level was run, it decides: a difference
-/// counts at p < 0.05. Else the divergence decides: whether the level's samples, lifted to the root, are nearer to the
-/// target than those of the level that guides it, with 95 % intervals over the runs (in mass only where the estimate
-/// fails), and whether the strategy costs less than the baseline.
-/// \param without  of costs_without_levels(), one for each level
-/// \param whole    the comparison of the strategy with the baseline; nullptr without one
-std::vector<Verdict> verdicts(const RunsSummary& summary, const std::vector<std::optional<PairedCosts>>& without,
-                              const PairedCosts* whole);
-
-/// Returns the verdicts on the levels of a strategy of an experiment, on a problem or, with "", on all. None for an
-/// ablation.
-/// \param summary      of the strategy's runs there
-/// \param comparisons  those of compare() there
-std::vector<Verdict> verdicts(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                              const std::string& strategy, const RunsSummary& summary,
-                              const std::vector<Comparison>& comparisons);
-
-/// Whether a strategy of an experiment is an ablation of another one.
-bool is_ablation(const Experiment& experiment, const std::string& strategy);
-
-/// Whether a comparison of costs can show a difference at p < 0.05 at all, for the most uneven split of its pairs.
-/// \param tests  number of p values under one correction
-bool could_show(const PairedCosts& costs, std::size_t tests);
 
 }  // namespace trellis

@@ -11,7 +11,7 @@ namespace trellis {
 
 namespace {
 
-enum class How { uniform, skip };
+enum class How { remove, skip };
 
 /// The component without its guide. Its planner is kept only if the script names it.
 GuideSpec bare(const GuideSpec& guide) {
@@ -21,24 +21,32 @@ GuideSpec bare(const GuideSpec& guide) {
   return GuideSpec::make(guide.name(), guide.options().entries(), guide.planner(), guide.origin());
 }
 
-/// Collects the components of a guide, each before those that guide it.
-void collect(const GuideSpec& guide, std::vector<const GuideSpec*>& components) {
+struct PlacedGuide {
+  const GuideSpec* guide;
+  std::string key;
+};
+
+/// Collects the components of a guide with their keys in a run, each before those that guide it.
+void collect(const GuideSpec& guide, const std::string& key, std::vector<PlacedGuide>& components) {
   if (guide.kind() != GuideSpec::Kind::component) {
-    for (const auto& term : guide.terms()) collect(term.guide, components);
+    for (std::size_t i = 0; i < guide.terms().size(); ++i) {
+      collect(guide.terms()[i].guide, fmt::format("{}.{}", key, i), components);
+    }
     return;
   }
-  components.push_back(&guide);
-  if (guide.below() != nullptr) collect(*guide.below(), components);
+  components.push_back({&guide, key});
+  if (guide.below() != nullptr) collect(*guide.below(), key + "/0", components);
 }
 
-/// The guide without its component number `which`.
-GuideSpec without(const GuideSpec& guide, std::size_t& which, How how) {
+/// The guide without its component number `which`; none if nothing is left of it.
+std::optional<GuideSpec> without(const GuideSpec& guide, std::size_t& which, How how) {
   if (guide.kind() == GuideSpec::Kind::component) {
-    if (which-- == 0) return how == How::skip ? *guide.below() : GuideSpec::make("uniform", {});
+    if (which-- == 0) return how == How::skip ? std::optional(*guide.below()) : std::nullopt;
     if (guide.below() == nullptr) return guide;
-    return without(*guide.below(), which, how) >> bare(guide);
+    const auto below = without(*guide.below(), which, how);
+    return below ? *below >> bare(guide) : bare(guide);
   }
-  std::vector<GuideSpec> parts;
+  std::vector<std::optional<GuideSpec>> parts;
   parts.reserve(guide.terms().size());
   for (const auto& term : guide.terms()) parts.push_back(without(term.guide, which, how));
   return guide.with_parts(parts);
@@ -49,29 +57,48 @@ GuideSpec without(const GuideSpec& guide, std::size_t& which, How how) {
 std::vector<Ablation> ablations(const StrategySpec& strategy) {
   std::vector<Ablation> result;
   if (strategy.guide() == nullptr) return result;
-  std::vector<const GuideSpec*> components;
-  collect(*strategy.guide(), components);
+  std::vector<PlacedGuide> components;
+  collect(*strategy.guide(), "0/0", components);
   std::vector<std::string> names;
   names.reserve(components.size());
-  for (const GuideSpec* component : components) names.push_back(bare(*component).text());
-  std::vector<std::string> levels;
+  for (const PlacedGuide& component : components) names.push_back(bare(*component.guide).text());
   for (std::size_t i = 0; i < components.size(); ++i) {
     std::string name = names[i];
-    const std::string level = components[i]->text_alone();
-    const auto among = static_cast<std::size_t>(std::count(levels.begin(), levels.end(), level));
-    levels.push_back(level);
     if (std::count(names.begin(), names.end(), name) > 1) {
       const auto end = names.begin() + static_cast<std::ptrdiff_t>(i) + 1;
       name += fmt::format(" #{}", std::count(names.begin(), end, names[i]));
     }
-    for (const How how : {How::uniform, How::skip}) {
-      if (how == How::skip && components[i]->below() == nullptr) continue;
+    for (const How how : {How::remove, How::skip}) {
+      if (how == How::skip && components[i].guide->below() == nullptr) continue;
       std::size_t which = i;
-      GuideSpec rest = without(*strategy.guide(), which, how);
-      result.push_back({name, level, among, how == How::skip, StrategySpec(strategy.planner(), std::move(rest))});
+      auto rest = without(*strategy.guide(), which, how);
+      result.push_back({name, components[i].key, how == How::skip,
+                        rest ? StrategySpec(strategy.planner(), std::move(*rest)) : StrategySpec(strategy.planner())});
     }
   }
   return result;
+}
+
+std::vector<Ablation> decisive_ablations(const StrategySpec& strategy) {
+  std::vector<Ablation> decisive;
+  for (Ablation& ablation : ablations(strategy)) {
+    if (!decisive.empty() && decisive.back().key == ablation.key) decisive.pop_back();
+    decisive.push_back(std::move(ablation));
+  }
+  return decisive;
+}
+
+std::string guide_key(const std::string& level_key) {
+  std::string key;
+  bool half = false;
+  for (std::size_t at = 0; at < level_key.size();) {
+    const std::size_t end = std::min(level_key.find('/', at), level_key.size());
+    // A guide's number is 0; the number of a try to divide an instance is at least 1.
+    half = level_key[at] != '0';
+    if (!half) key += (key.empty() ? "" : "/") + level_key.substr(at, end - at);
+    at = end + 1;
+  }
+  return half || key == "0" ? "" : key;
 }
 
 }  // namespace trellis

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -11,18 +10,24 @@ namespace trellis {
 
 /// A strategy without one of its guides, to measure the effect of that guide.
 struct Ablation {
-  std::string guide;      ///< text of the removed guide, numbered if it occurs more than once
-  std::string level;      ///< name of its level, LevelRecord::name
-  std::size_t among = 0;  ///< index among the guides of that name, the root's first
-  bool skipped = false;   ///< the guide's own guide replaces it; else uniform sampling does
+  std::string guide;     ///< text of the removed guide, numbered if it occurs more than once
+  std::string key;       ///< of the removed guide and its level: LevelRecord::key, without the halves of split searches
+  bool skipped = false;  ///< the guide's own guide takes its place; else that is removed too
   StrategySpec strategy;
   /// "without shrink(0.5)", "skipping shrink(0.5)".
   [[nodiscard]] std::string text() const { return (skipped ? "skipping " : "without ") + guide; }
 };
 
-/// The strategy without each of its guides in turn, the root's first. Each guide is replaced by uniform sampling,
-/// together with all that guided it. A guide that is itself guided is also skipped: its own guide takes its place.
-/// Empty for a strategy without guides.
+/// The strategy without each of its guides in turn, the root's first. The parts of a combination that remain keep their
+/// order, options and relative weights; where no guide remains the level searches without one. A guide that is itself
+/// guided is removed twice: together with all that guided it, and skipped. Empty for a strategy without guides.
 std::vector<Ablation> ablations(const StrategySpec& strategy);
+
+/// Those that decide whether a guide pays, one for each guide: skipped where it is guided.
+std::vector<Ablation> decisive_ablations(const StrategySpec& strategy);
+
+/// The key of the guide whose space a level searches, from the level's key; "" for the root and for halves of a split
+/// search, which no guide made.
+std::string guide_key(const std::string& level_key);
 
 }  // namespace trellis

@@ -320,16 +320,20 @@ const GuideSpec* GuideSpec::below() const { return node_->below ? &*node_->below
 const Origin& GuideSpec::origin() const { return node_->origin; }
 const std::vector<GuideSpec::Term>& GuideSpec::terms() const { return node_->terms; }
 
-GuideSpec GuideSpec::with_parts(const std::vector<GuideSpec>& parts) const {
-  if (kind() != Kind::mixture) return combine(kind(), parts, options());
+std::optional<GuideSpec> GuideSpec::with_parts(const std::vector<std::optional<GuideSpec>>& parts) const {
+  std::vector<GuideSpec> kept;
   std::optional<GuideSpec> sum;
   for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i]) continue;
+    kept.push_back(*parts[i]);
     // A mixture that replaces a part gets that part's weight in total.
-    const double within = parts[i].kind() == Kind::mixture ? total_weight(parts[i]) : 1.0;
-    const GuideSpec weighted = (terms()[i].weight / within) * parts[i];
+    const double within = parts[i]->kind() == Kind::mixture ? total_weight(*parts[i]) : 1.0;
+    const GuideSpec weighted = (terms()[i].weight / within) * *parts[i];
     sum = sum ? *sum + weighted : weighted;
   }
-  return *sum;
+  if (kept.empty()) return std::nullopt;
+  if (kind() != Kind::mixture) return combine(kind(), kept, options());
+  return kept.size() == 1 ? kept.front() : sum;
 }
 
 /// Combines guides. A schedule or race of one guide is that guide; a blend, whose options also apply to a single guide,

@@ -104,8 +104,9 @@ class GuideSpec {
   [[nodiscard]] const Origin& origin() const;
   // For combinations (weights are 1 except in a mixture):
   [[nodiscard]] const std::vector<Term>& terms() const;
-  /// The same combinator with its options for other guides; a mixture keeps its weights. Not for a component.
-  [[nodiscard]] GuideSpec with_parts(const std::vector<GuideSpec>& parts) const;
+  /// The same combinator with its options for other guides, one or none for each term; a mixture keeps the weights of
+  /// those that remain. None without any. Not for a component.
+  [[nodiscard]] std::optional<GuideSpec> with_parts(const std::vector<std::optional<GuideSpec>>& parts) const;
 
   /// Whether it contains a component that searches a space (S other than {0}).
   [[nodiscard]] bool searches() const;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs the strategies of an experiment without each of their guides, which decides whether a guide pays.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <trellis/experiment/experiment.hpp>
+
+namespace trellis {
+
+/// Whether a strategy of an experiment is an ablation of another one.
+/// \param strategy  a name
+bool is_ablation(const Experiment& experiment, const std::string& strategy);
+
+/// Returns the strategy of an experiment, other than `strategy`, that searches as `spec` does; nullptr if there is
+/// none. Its runs are those of the strategy without a guide: `skeleton() >> rrt()` is `skeleton() >> lazy() >> rrt()`
+/// without `lazy()`.
+/// \param strategy  a name
+const std::pair<std::string, StrategySpec>* equal_strategy(const Experiment& experiment, const std::string& strategy,
+                                                           const StrategySpec& spec);
+
+/// Returns the work that the runs without each guide may take on a problem, in validity checks: `Experiment::ablation`
+/// times the work of the experiment's runs there and 20 000 for each run that is scored, but for at least 200 000. It
+/// counts work instead of time, so that it is the same for every machine and every number of threads.
+double ablation_budget(const Experiment& experiment, const ExperimentResult& result, const std::string& problem);
+
+/// Runs each strategy of an experiment without each of its guides (decisive_ablations), unscored, where no strategy of
+/// the experiment searches so already: seed by seed in the order of the experiment, while the work is below the budget.
+/// With fewer than `least_tested_seeds` seeds, or where the first seed shows that the budget does not suffice for as
+/// many, the costs remain empty. The result does not depend on the number of threads.
+/// \param result  has the runs of the experiment; receives the costs
+/// \throws Interrupted
+void run_left_out(const Experiment& experiment, ExperimentResult& result, const ExperimentOptions& options);
+
+}  // namespace trellis
