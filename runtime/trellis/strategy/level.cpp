@@ -209,6 +209,7 @@ void Level::refute(View invalid, const std::shared_ptr<Validity>& validity, doub
   instance.revision = epoch + 1;
   found_ = false;
   record_.solution = {};
+  guidance_.refuted();
   // The points of the cost curve before the refuted path remain.
   if (!run_.improvements.empty()) run_.improvements.pop_back();
   run_.refuted = true;

@@ -76,12 +76,15 @@ struct Run {
 
 /// The guidance of a level's planner: goal bias, uniform sampling, the guide, and a path received from another space.
 ///
-/// Without a companion it divides the work between guided and unguided proposals. Work is the number of validity checks
-/// and proposals, and what searches of graphs do besides. The work of guided proposals and of all levels below is at
-/// most `guided_share` times the work of unguided proposals, beyond a grant and beyond the work earned by progress
-/// along guiding paths. Of the work below, a part of the checks that progress there required is deducted. If this limit
-/// is reached, or if the guide's space is still being searched, the planner draws unguided proposals. A companion (at
-/// the root, with a bound of more than 1) does the unguided work instead.
+/// It divides the work between guided and unguided proposals. Work is the number of validity checks and proposals, and
+/// what searches of graphs do besides. The work of guided proposals and of all levels below is at most `guided_share`
+/// times the work of unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of
+/// the work below, a part of the checks that progress there required is deducted. If this limit is reached, or if the
+/// guide's space is still being searched, the planner draws unguided proposals.
+///
+/// Beside a companion (at the root, with a bound of more than 1) the planner waits for the levels below. Their work
+/// does not count, nor does the validation of their paths: the companion bounds it. The planner of a tree without a
+/// path draws unguided proposals beyond the same limit, so that the tree leaves a place where its guide is stuck.
 class LevelGuidance final : public Guidance {
  public:
   /// \param search  record of the level's planner; outlives this object
@@ -114,9 +117,14 @@ class LevelGuidance final : public Guidance {
     const bool was_open = open_;
     open_ = true;
     const bool divides = common_.bound > 0.0 && !has_companion_;
-    if (divides) {
-      const double below = guide_ != nullptr ? guide_->work() : 0.0;
-      left_ = grant() + earned() + guided_share() * spent_.unguided.work() - spent_.guided.work() - below;
+    if (divides || leaves_stuck_guide()) {
+      double guided = spent_.guided.work();
+      if (!divides) {
+        guided -= validation_;
+      } else if (guide_ != nullptr) {
+        guided += guide_->work();
+      }
+      left_ = grant() + earned() + guided_share() * spent_.unguided.work() - guided;
       open_ = left_ > 0.0;
     }
     if (open_ && guide_ != nullptr) {
@@ -131,7 +139,7 @@ class LevelGuidance final : public Guidance {
       // A permanently refuted guide draws no more proposals.
       if (common_.bound > 0.0 && guide_->spent()) open_ = false;
       // The guide pays for checks in this level's instance, as those that validate a path's points.
-      spent_.guided.checks += own().checks - counted_.checks;
+      count_validation(own().checks - counted_.checks);
       counted_ = own();
     }
     if (open_ != was_open) ++epoch_;
@@ -188,13 +196,16 @@ class LevelGuidance final : public Guidance {
     guide_->observe(outcome, mine && drawn_ == Part::guide);
     // The guide pays for its own checks, whichever part drew the proposal.
     const double looked = own().checks - before;
-    spent_.guided.checks += looked;
+    count_validation(looked);
     counted_.checks += looked;
   }
   void found(double length) override {
+    has_path_ = true;
     if (path_found_) path_found_(length);
     if (guide_ != nullptr) guide_->found(length);
   }
+  /// The path that the planner has found is not valid.
+  void refuted() { has_path_ = false; }
   /// Sets a function that receives the length of each path that the level's planner finds.
   void report_paths(std::function<void(double)> report) { path_found_ = std::move(report); }
 
@@ -208,7 +219,7 @@ class LevelGuidance final : public Guidance {
     return all;
   }
 
-  /// The unguided work of this level is that of a companion: the guide draws whenever it can.
+  /// A companion bounds the work of the levels below.
   void rely_on_companion() { has_companion_ = true; }
   /// Work of guided proposals and of the levels below, per work of unguided proposals.
   [[nodiscard]] double guided_share() const { return guided_rate * (common_.bound - 1.0); }
@@ -240,7 +251,7 @@ class LevelGuidance final : public Guidance {
  private:
   enum class Part : std::uint8_t { goal, uniform, informed, guide };
   static constexpr double informed_share = 0.5;
-  /// Of the guided share, below the root: with a bound of 2 the guided work is 0.8 of the unguided.
+  /// Of the guided share: with a bound of 2 the guided work is 0.8 of the unguided.
   static constexpr double guided_rate = 0.8;
   /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
   /// the minimum of any planner.
@@ -256,6 +267,17 @@ class LevelGuidance final : public Guidance {
 
   /// Checks of as many metres as connected nodes have advanced along guiding paths.
   [[nodiscard]] double progress_checks() const { return instance_.checks_per_metre() * progress(); }
+
+  /// Whether the unguided proposals of a tree, too, have a share while it has no path: they leave the place where its
+  /// guide is stuck. Those of a roadmap need not: the companion's extend nothing less.
+  [[nodiscard]] bool leaves_stuck_guide() const {
+    const bool tree = !search_.parents.empty() && search_.parents.front() != no_node;
+    return common_.bound > 0.0 && has_companion_ && tree && !has_path_;
+  }
+  void count_validation(double checks) {
+    spent_.guided.checks += checks;
+    validation_ += checks;
+  }
 
   Source draw(Stream& stream, MutableView out) {
     prepared_ = false;
@@ -326,11 +348,13 @@ class LevelGuidance final : public Guidance {
   std::function<void(double)> path_found_;
   double direct_ = instance_.to_goal(instance_.start);
   BothSpent spent_;
-  Spent counted_;          ///< the level's work that `spent_` includes
-  double left_ = 0.0;      ///< work that the guide may still spend
-  bool open_ = false;      ///< whether the guide may draw
-  bool prepared_ = false;  ///< `prepare` was called for the next proposal
+  Spent counted_;            ///< the level's work that `spent_` includes
+  double validation_ = 0.0;  ///< part of the guided work: the checks by which guides validate their paths
+  double left_ = 0.0;        ///< work that the guide may still spend
+  bool open_ = false;        ///< whether the guide may draw
+  bool prepared_ = false;    ///< `prepare` was called for the next proposal
   bool has_companion_ = false;
+  bool has_path_ = false;  ///< the planner has found a path
   Part drawn_ = Part::goal;
   std::uint64_t epoch_ = 0;  ///< number of changes of the shares
 };
