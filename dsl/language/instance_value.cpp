@@ -44,7 +44,7 @@ const std::vector<Field>& instance_members() {
        "the obstacle of the world that is nearest to the robot at a configuration, nil in a world without obstacles; "
        "an error where no collision check decides validity; a check that the level pays for"},
       {"drive", "fun(self: trellis.Instance, q: number[], control: number[], duration: number): number[]", "",
-       "the state in which a control, held for a duration in seconds, ends from a state, by the motion model; no check "
+       "the state in which a control of a duration in seconds ends from a state, by the motion model; no check "
        "of validity, so it may be invalid or outside of the space"}};
   return members;
 }

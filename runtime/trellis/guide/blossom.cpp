@@ -184,7 +184,7 @@ class BlossomHeuristic final : public Heuristic {
     std::size_t at = 0;
     double cost = std::numeric_limits<double>::infinity();
   };
-  /// The cost to go of a state: that of a point of the path, and the way there.
+  /// The cost to go of a state: that of a point of the path, and the length to it.
   /// \param from,  to  of the points of the path that count
   [[nodiscard]] Place place(View q, std::size_t from, std::size_t to) {
     f_->project(q, in_s_);
