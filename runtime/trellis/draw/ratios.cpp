@@ -2,6 +2,7 @@
 #include <trellis/draw/ratios.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,9 +23,17 @@ constexpr double dot_radius = 2.1;
 constexpr double most_name = 110.0;  ///< width of a row's name
 constexpr double name_gap = 6.0;
 constexpr double tick_length = 3.0;
+constexpr double cut_length = 4.0;  ///< of the arrowhead of an interval that continues beyond the axis
+constexpr double cut_half = 2.0;
 constexpr double label_gap = 9.0;  ///< between the axis and the label of a row's largest dot
 constexpr Font label_small{.size = 6.0};
 constexpr Colour stripe = rgb(0xF5F5F5);
+constexpr double widest_labels = 0.35;  ///< of a panel's width: names of dots, which may be shortened
+constexpr double widest_texts = 0.55;   ///< of a panel's width: numbers, which may not
+constexpr double farthest = 10.0;       ///< the axis covers intervals up to so many times beyond dots and lines
+
+/// Whether a logarithmic axis can show a ratio.
+bool on_axis(double ratio) { return std::isfinite(ratio) && ratio > 0.0; }
 
 class Plot {
  public:
@@ -64,11 +73,13 @@ class Plot {
     for (const RatioRow& row : figure_.rows) {
       for (const auto& dots : row.panels) {
         for (const RatioDot& one : dots) {
-          label_room_ = std::max(label_room_, text_extents(label_of(one), label_small).width + label_gap);
+          const double most = (one.text.empty() ? widest_labels : widest_texts) * panel_width_;
+          const double needed = text_extents(label_of(one), label_small).width + label_gap;
+          label_room_ = std::max(label_room_, std::min(needed, most));
         }
       }
     }
-    label_room_ = std::min(label_room_, 0.35 * panel_width_);
+    x_label_ = wrapped(figure_.x_label, panel_width_ - label_room_, label_font, 6);
     title_ = wrapped(figure_.title, figure_.width - 2.0 * border, title_font, 3);
     caption_ = wrapped(figure_.caption, figure_.width - 2.0 * border, caption_font, 40);
     std::vector<std::string> entries;
@@ -86,22 +97,11 @@ class Plot {
     top_ = y;
     row_ = 2.0 * row_margin + lane * static_cast<double>(std::max<std::size_t>(figure_.groups.size(), 3));
     bottom_ = top_ + row_ * static_cast<double>(figure_.rows.size());
-    below_ = tick_length + 3.0 + line_height(tick_font) + 2.0 + line_height(label_font);
+    below_ = tick_length + 3.0 + line_height(tick_font) + 2.0 + block_height(x_label_, label_font);
     height_ = bottom_ + below_ + (caption_.empty() ? 0.0 : 6.0 + block_height(caption_, caption_font)) + border;
 
-    for (const RatioLine& line : figure_.lines) extent_.add(line.x, AxisScale::log);
-    for (const RatioRow& row : figure_.rows) {
-      for (const auto& dots : row.panels) {
-        for (const RatioDot& dot : dots) {
-          if (on_axis(dot.value)) extent_.add(dot.value, AxisScale::log);
-        }
-      }
-    }
-    extent_ = extent_.fitted(AxisScale::log, 0.04);
+    extent_ = ratio_extent(figure_);
   }
-
-  /// Whether a logarithmic axis can show a ratio.
-  static bool on_axis(double ratio) { return std::isfinite(ratio) && ratio > 0.0; }
 
   [[nodiscard]] double row_top(std::size_t row) const { return top_ + row_ * static_cast<double>(row); }
 
@@ -137,7 +137,7 @@ class Plot {
     for (const double at : ticks.at) canvas.line({x.inside(at), top_}, {x.inside(at), bottom_}, {palette::grid, 0.5});
     canvas.text(figure_.panels[p], {x0, top_ - line_height(label_small) - 5.0},
                 {panel_font, palette::ink, Align::left, Stand::bottom});
-    lines(canvas, x);
+    lines(canvas, x, x0);
     if (label_room_ > 0.0) {
       canvas.text(figure_.texts, {x0 + panel_width_ - label_room_ + label_gap, top_ - 3.0},
                   {label_small, palette::muted, Align::left, Stand::bottom});
@@ -154,31 +154,37 @@ class Plot {
       const double at = x.inside(minor);
       canvas.line({at, bottom_}, {at, bottom_ + 0.55 * tick_length}, {palette::frame, 0.5});
     }
-    canvas.text(figure_.x_label,
-                {x0 + 0.5 * (panel_width_ - label_room_), bottom_ + tick_length + 4.0 + line_height(tick_font)},
-                {label_font, palette::ink, Align::centre, Stand::top});
+    block(canvas, x_label_,
+          {x0 + 0.5 * (panel_width_ - label_room_), bottom_ + tick_length + 4.0 + line_height(tick_font)},
+          {label_font, palette::ink, Align::centre});
   }
 
-  /// "cup 2.3"
-  static std::string label_of(const RatioDot& dot) {
+  /// "cup 2.3". Where there is no room for all of it, the name is shortened.
+  static std::string label_of(const RatioDot& dot, double room = std::numeric_limits<double>::infinity()) {
     if (!dot.text.empty()) return dot.text;
     if (dot.label.empty()) return "";
-    return dot.label + " " + number_text(dot.value, dot.value < 0.995 ? 2 : dot.value < 99.5 ? 1 : 0);
+    const std::string number = " " + number_text(dot.value, dot.value < 0.995 ? 2 : dot.value < 99.5 ? 1 : 0);
+    if (text_extents(dot.label + number, label_small).width <= room) return dot.label + number;
+    return shorten(dot.label, room - text_extents(number, label_small).width, label_small) + number;
   }
 
   /// Draws the vertical lines, each with its label above.
-  void lines(Canvas& canvas, const marks::Scale& x) const {
+  void lines(Canvas& canvas, const marks::Scale& x, double x0) const {
     for (const RatioLine& line : figure_.lines) {
       const double at = x.inside(line.x);
       canvas.line({at, top_}, {at, bottom_},
                   {palette::frame, 0.9, marks::dashes(line.dash, 0.9), Cap::butt, Join::miter});
     }
-    // Labels that would overlap stand to the left and to the right of their lines.
+    // Labels that would overlap stand to the left and to the right of their lines; all stay above the axis.
+    const double room = panel_width_ - label_room_;
     for (std::size_t i = 0; i < figure_.lines.size(); ++i) {
-      const Align align = figure_.lines.size() == 1 ? Align::centre : i == 0 ? Align::right : Align::left;
-      const double shift = align == Align::right ? 2.0 : align == Align::left ? -2.0 : 0.0;
-      canvas.text(figure_.lines[i].label, {x.inside(figure_.lines[i].x) + shift, top_ - 3.0},
-                  {label_small, palette::muted, align, Stand::bottom});
+      const double share = figure_.lines.size() == 1 ? 0.5 : i == 0 ? 1.0 : 0.0;
+      const double shift = share == 1.0 ? 2.0 : share == 0.0 ? -2.0 : 0.0;
+      const std::string label = shorten(figure_.lines[i].label, room, label_small);
+      const double width = text_extents(label, label_small).width;
+      const double left = x.inside(figure_.lines[i].x) + shift - share * width;
+      canvas.text(label, {std::clamp(left, x0, x0 + room - width), top_ - 3.0},
+                  {label_small, palette::muted, Align::left, Stand::bottom});
     }
   }
 
@@ -192,11 +198,7 @@ class Plot {
       values.push_back(one.value);
       if (largest == nullptr || one.value > largest->value) largest = &one;
       const double y = y0 + lane * static_cast<double>(one.group);
-      const bool unbounded = !(one.lo > 0.0) && std::isinf(one.hi);
-      if (std::isnan(one.lo) || unbounded) continue;  // no interval
-      const double lo = std::isfinite(one.lo) && one.lo > 0.0 ? x.inside(one.lo) : x.from();
-      const double hi = x.inside(one.hi);
-      if (one.lo < one.hi && hi > lo) canvas.line({lo, y}, {hi, y}, whisker(figure_.groups[one.group]));
+      if (!std::isnan(one.lo) && !std::isnan(one.hi) && one.lo < one.hi) interval(canvas, one, y, x);
     }
     for (const RatioDot& one : dots) {
       if (std::isnan(one.value)) continue;
@@ -225,10 +227,32 @@ class Plot {
     label(canvas, *largest, y0, x);
   }
 
-  static void label(Canvas& canvas, const RatioDot& largest, double y0, const marks::Scale& x) {
-    if (label_of(largest).empty()) return;
+  /// Draws a dot's interval. An arrowhead marks an end that the axis does not show.
+  void interval(Canvas& canvas, const RatioDot& one, double y, const marks::Scale& x) const {
+    const Pen pen = whisker(figure_.groups[one.group]);
+    const auto end = [&](double value, int side) {
+      const bool cut = value > 0.0 ? x.beyond(value) != 0 : side < 0;
+      const double at = cut && side < 0 && !(value > 0.0) ? x.from() : x.inside(value);
+      // The arrow of a dot beyond the axis is there already.
+      const bool marked = !on_axis(one.value) && (side > 0) == (one.value > 0.0);
+      if (cut && !marked) {
+        // Beside the axis, where no dot covers it.
+        const Path head = Path::polygon(
+            std::array{Point{at + side * cut_length, y}, Point{at, y - cut_half}, Point{at, y + cut_half}});
+        canvas.fill(head, figure_.groups[one.group].colour.faded(0.7));
+      }
+      return at;
+    };
+    const double lo = end(one.lo, -1);
+    const double hi = end(one.hi, 1);
+    if (hi > lo) canvas.line({lo, y}, {hi, y}, pen);
+  }
+
+  void label(Canvas& canvas, const RatioDot& largest, double y0, const marks::Scale& x) const {
+    const std::string text = label_of(largest, label_room_ - label_gap);
+    if (text.empty()) return;
     const double y = y0 + lane * static_cast<double>(largest.group);
-    canvas.text(label_of(largest), {x.inside(std::numeric_limits<double>::max()) + label_gap, y},
+    canvas.text(text, {x.inside(std::numeric_limits<double>::max()) + label_gap, y},
                 {label_small, palette::ink, Align::left, Stand::middle});
   }
 
@@ -236,6 +260,7 @@ class Plot {
   std::vector<std::vector<std::string>> names_;
   std::vector<std::string> title_;
   std::vector<std::string> caption_;
+  std::vector<std::string> x_label_;
   LegendRows entries_;
   std::size_t shown_ = 0;  ///< groups in the legend
   bool medians_ = false;   ///< some row has several dots, and a median of them
@@ -252,6 +277,26 @@ class Plot {
 };
 
 }  // namespace
+
+Extent ratio_extent(const RatioFigure& figure) {
+  Extent extent;
+  const auto each = [&](auto&& use) {
+    for (const RatioRow& row : figure.rows) {
+      for (const auto& dots : row.panels) std::for_each(dots.begin(), dots.end(), use);
+    }
+  };
+  for (const RatioLine& line : figure.lines) extent.add(line.x, AxisScale::log);
+  each([&](const RatioDot& dot) { extent.add(dot.value, AxisScale::log); });
+  if (!extent.empty()) {
+    const Extent near{extent.lo / farthest, extent.hi * farthest};
+    each([&](const RatioDot& dot) {
+      for (const double end : {dot.lo, dot.hi}) {
+        if (on_axis(end)) extent.add(std::clamp(end, near.lo, near.hi), AxisScale::log);
+      }
+    });
+  }
+  return extent.fitted(AxisScale::log, 0.04);
+}
 
 Canvas plot(const RatioFigure& figure) { return Plot(figure).draw(); }
 

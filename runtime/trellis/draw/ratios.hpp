@@ -7,6 +7,7 @@
 
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/marks.hpp>
+#include <trellis/draw/ticks.hpp>
 
 /// Ratios on a logarithmic axis: a row for each subject of the comparison, a dot for each case.
 namespace trellis::draw {
@@ -22,7 +23,7 @@ struct RatioDot {
   std::size_t group = 0;  ///< index into RatioFigure::groups
   std::string label{};    ///< printed right of the row if its dot is the largest; "": nothing
   double value = 1.0;     ///< infinity: an arrow at the right edge; 0: one at the left edge
-  double lo = 1.0;        ///< its interval; NaN: none
+  double lo = 1.0;        ///< its interval, which may be unbounded: from 0, to infinity; NaN: none
   double hi = 1.0;
   std::string text{};  ///< printed instead of the label and the value
 };
@@ -50,6 +51,10 @@ struct RatioFigure {
   std::vector<RatioLine> lines{};
   double width = 700.0;  ///< points
 };
+
+/// Returns the axis of all panels: it shows each dot and line, and of the intervals as much as lies within ten times
+/// their range. An arrowhead marks an end of an interval that lies beyond.
+Extent ratio_extent(const RatioFigure& figure);
 
 /// Draws a figure on white. Its panels and texts determine its height. A vertical bar marks the median of each row.
 /// \throws Fault where a row has another number of panels than the figure.

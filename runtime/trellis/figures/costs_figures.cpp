@@ -22,6 +22,9 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+/// The least of a median's 99 % interval by order statistics: 2 / 2^8 is below 1 %.
+constexpr std::size_t pairs_of_interval = 8;
+
 // Ratios
 // ---------------------------------------------------------------------------------------------------------------
 
@@ -52,7 +55,12 @@ std::vector<draw::RatioGroup> groups_of(const CostData& data, std::vector<std::s
 /// of the largest ratio.
 draw::RatioDot dot(const CostData& data, const CostComparison& c, const CostRatio& ratio, std::size_t group) {
   draw::RatioDot dot{group, data.problems[c.problem].name, ratio.ratio.value, ratio.ratio.lo, ratio.ratio.hi};
-  if (data.problems.size() == 1) dot.text = ratio_text(ratio.ratio);
+  if (ratio.pairs < pairs_of_interval) dot.lo = dot.hi = nan;
+  if (data.problems.size() == 1) {
+    dot.text = ratio_text(ratio.ratio);
+    for (auto at = dot.text.find("inf"); at != std::string::npos; at = dot.text.find("inf"))
+      dot.text.replace(at, 3, "∞");
+  }
   return dot;
 }
 
@@ -74,28 +82,30 @@ void fill(const CostData& data, const std::vector<CostComparison>& comparisons, 
 }
 
 /// Explains a figure of ratios, with the number of pairs of the medians.
-std::string ratios_caption(const std::vector<CostComparison>& comparisons) {
-  constexpr std::size_t pairs_of_interval = 8;  // the least of a median's 99 % interval by order statistics: 2 / 2^8
+std::string ratios_caption(const CostData& data, const std::vector<CostComparison>& comparisons) {
   std::size_t least = std::numeric_limits<std::size_t>::max();
   std::size_t most = 0;
   for (const CostComparison& c : comparisons) {
     least = std::min(least, c.checks.pairs);
     most = std::max(most, c.checks.pairs);
   }
+  const bool intervals = most >= pairs_of_interval;
+  const bool one = data.problems.size() == 1;
   return fmt::format(
-      "A dot is a problem: the median of the strategy's cost divided by the reference's on the same seed, over {} of "
-      "runs, {}. A run without a path costs infinitely much. Left of 1 the strategy costs less. An arrow to the right: "
-      "most of its runs found no path; to the left: most of the reference's. The problem with the largest ratio of a "
-      "row "
-      "has its name beside it.",
+      "{} median of the strategy's cost divided by the reference's on the same seed, over {} of runs, {}. A run "
+      "without a path costs infinitely much. Left of 1 the strategy costs less. An arrow instead of a dot: to the "
+      "right, most of its runs found no path; to the left, most of the reference's.{}{}",
+      one ? "A dot is the" : "A dot is a problem: the",
       least >= most ? plural(most, "pair") : fmt::format("{} to {}", least, plural(most, "pair")),
-      most < pairs_of_interval ? "too few for a 99 % interval" : "with its 99 % interval");
+      intervals ? "with its 99 % interval" : "too few for a 99 % interval",
+      intervals ? " An arrowhead: the interval continues beyond the axis." : "",
+      one ? "" : " The problem with the largest ratio of a row has its name beside it.");
 }
 
 void write(const CostData& data, const std::vector<CostComparison>& comparisons, draw::RatioFigure figure,
            const FigureStyle& style, const std::string& stem) {
   if (comparisons.empty()) return;
-  figure.caption = ratios_caption(comparisons);
+  figure.caption = ratios_caption(data, comparisons);
   fill(data, comparisons, figure);
   write_figure(std::move(figure), style, stem);
 }
@@ -309,7 +319,7 @@ std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::s
       .title = data.problems.size() == 1
                    ? fmt::format("{}: costs beside {}, paired by seed", data.problems.front().name, baseline)
                    : fmt::format("Costs beside {}, paired by seed", baseline),
-      .caption = ratios_caption(comparisons),
+      .caption = ratios_caption(data, comparisons),
       .lines = {{1.0, "as " + baseline, draw::Dash::solid}},
       .width = default_width};
   fill(data, comparisons, figure);
