@@ -15,6 +15,7 @@ namespace {
 
 constexpr double least_column = 60.0;  ///< mm; names and numbers require this width
 constexpr double most_column = 400.0;
+constexpr std::uint64_t most_curves = 100;
 
 }  // namespace
 
@@ -24,7 +25,11 @@ void add_figure_options(Subcommand& verb, FigureOptions& options) {
   verb.flag("--untitled", options.untitled,
             "figures without title and caption, which a text file beside each figure has");
   verb.flag("--serif", options.serif, "figures in a typeface with serifs");
-  verb.flag("--scalebar", options.scale_bar, "a scale bar in pictures of the world");
+  verb.flag("--scalebar", options.scale_bar, "a scale bar below pictures of the world");
+  verb.choice("--panels", {"checks", "time", "both"}, options.panels,
+              "of figures of costs: validity checks, CPU time or both (default)");
+  verb.integer("--curves", "N", 1, most_curves, options.curves,
+               "curves in a panel of success and length, beside the baseline's (default 3)");
   verb.choice("--format", {"markdown", "latex"}, options.format,
               "of the tables that --out writes: markdown (default) or latex");
 }
@@ -41,8 +46,13 @@ FigureStyle figure_style(const FigureOptions& options, bool drawn) {
   style.titles = !options.untitled;
   if (options.serif) style.typeface = draw::Typeface::serif;
   style.scale_bar = options.scale_bar;
+  style.checks = options.panels.value_or(2) != 1;
+  style.seconds = options.panels.value_or(2) != 0;
+  style.curves = static_cast<std::size_t>(options.curves.value_or(style.curves));
+  if (drawn) return style;
+  if (options.panels || options.curves) throw Error("--panels and --curves: nothing is drawn without a folder");
   const bool any = style.width || options.untitled || options.serif || options.scale_bar;
-  if (any && !drawn) throw Error("--column, --untitled, --serif and --scalebar: nothing is drawn without a folder");
+  if (any) throw Error("--column, --untitled, --serif and --scalebar: nothing is drawn without a folder");
   return style;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -16,6 +17,8 @@ struct FigureOptions {
   bool untitled = false;
   bool serif = false;
   bool scale_bar = false;
+  std::optional<std::size_t> panels;    ///< of costs: 0 for checks, 1 for CPU time, 2 or none for both
+  std::optional<std::uint64_t> curves;  ///< in a panel of costs, beside the baseline's
   std::optional<std::size_t> format;  ///< of tables: 0 or none for Markdown, 1 for LaTeX
 };
 

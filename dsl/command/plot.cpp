@@ -81,12 +81,12 @@ class Plotter {
   void comparisons(const CostData& data, const std::string& baseline) {
     for (std::size_t p = 0; p < data.problems.size(); ++p) {
       const std::filesystem::path place = folder(data.problems[p].name);
-      if (options_.draws(Kind::success)) draw(success_figure(data, baseline, p), place / "success");
-      if (options_.draws(Kind::length)) draw(length_figure(data, baseline, p), place / "length");
-      if (options_.draws(Kind::ratios)) draw(ratio_figure(data.on(p), baseline), place / "ratios");
+      if (options_.draws(Kind::success)) draw(success_figure(data, baseline, p, style_), place / "success");
+      if (options_.draws(Kind::length)) draw(length_figure(data, baseline, p, style_), place / "length");
+      if (options_.draws(Kind::ratios)) draw(ratio_figure(data.on(p), baseline, style_), place / "ratios");
     }
     if (options_.draws(Kind::ratios) && data.problems.size() > 1) {
-      draw(ratio_figure(data, baseline), std::filesystem::path(options_.out) / "ratios");
+      draw(ratio_figure(data, baseline, style_), std::filesystem::path(options_.out) / "ratios");
     }
   }
 

@@ -170,9 +170,12 @@ std::string options_text(const Options& options) {
 /// The options that change the figures.
 std::string style_text(const Options& options) {
   const FigureOptions& style = options.style;
-  return fmt::format("palette {}, column {}, untitled {}, serif {}, scale bar {}", options.palette.value_or(0),
-                     style.column ? std::to_string(*style.column) : "none", style.untitled, style.serif,
-                     style.scale_bar);
+  const auto number = [](const auto& given) {
+    return given ? fmt::format("{:g}", static_cast<double>(*given)) : "none";
+  };
+  return fmt::format("palette {}, column {}, untitled {}, serif {}, scale bar {}, panels {}, curves {}",
+                     options.palette.value_or(0), style.column ? std::to_string(*style.column) : "none", style.untitled,
+                     style.serif, style.scale_bar, number(style.panels), number(style.curves));
 }
 
 /// Writes what is finished after an interruption. Returns what remains.

@@ -315,6 +315,42 @@ TEST_CASE("figures of curves have a panel for checks and one for time, and each 
   }
 }
 
+TEST_CASE("all panels of a quantity have one axis, and panels and curves can be chosen", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto both = success_figure(data, "connect", 0);
+  REQUIRE(both);
+  REQUIRE(both->panels.size() == 4);
+  CHECK(both->columns == 2);
+  for (const std::size_t column : {0U, 1U}) {
+    const draw::Panel& first = both->panels[column];
+    const draw::Panel& second = both->panels[column + 2];
+    CHECK(first.x.label == second.x.label);
+    REQUIRE((first.x.lo && first.x.hi));
+    CHECK(second.x.lo == first.x.lo);
+    CHECK(second.x.hi == first.x.hi);
+    for (const draw::Panel& panel : {first, second}) {
+      for (const draw::Series& series : panel.series) {
+        CHECK(series.x.front() == *first.x.lo);
+        CHECK(series.x.back() == *first.x.hi);
+      }
+    }
+  }
+  const auto checks = success_figure(data, "connect", 0, {.seconds = false});
+  REQUIRE(checks);
+  CHECK(checks->panels.size() == 2);
+  CHECK(checks->columns == 1);
+  CHECK(checks->panels[1].x.label == both->panels[0].x.label);
+  const auto time = success_figure(data, "connect", 0, {.checks = false, .curves = 10});
+  REQUIRE(time);
+  REQUIRE(time->panels.size() == 1);
+  CHECK(time->panels[0].series.size() == data.strategies.size());
+  CHECK(time->panels[0].x.label == both->panels[1].x.label);
+  const auto ratios = ratio_figure(data, "connect", {.checks = false});
+  REQUIRE(ratios);
+  CHECK(ratios->panels == std::vector<std::string>{"CPU time"});
+  CHECK(ratios->rows[0].panels.size() == 1);
+}
+
 TEST_CASE("a figure of ratios says of how many pairs its medians are", "[report][costs]") {
   const CostData data = two_worlds();
   const auto all = ratio_figure(data, "connect");

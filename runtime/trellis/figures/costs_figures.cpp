@@ -64,19 +64,21 @@ draw::RatioDot dot(const CostData& data, const CostComparison& c, const CostRati
   return dot;
 }
 
-void fill(const CostData& data, const std::vector<CostComparison>& comparisons, draw::RatioFigure& figure) {
+void fill(const CostData& data, const std::vector<CostComparison>& comparisons, const FigureStyle& style,
+          draw::RatioFigure& figure) {
   std::vector<std::size_t> group_of;
   figure.groups = groups_of(data, group_of);
-  figure.panels = {"validity checks, all levels", "CPU time"};
+  if (style.checks) figure.panels.emplace_back("validity checks, all levels");
+  if (style.seconds) figure.panels.emplace_back("CPU time");
   if (data.problems.size() == 1) figure.texts = "[99 %]";
   figure.x_label = "cost / cost of the reference (left of 1: costs less)";
   std::map<std::size_t, draw::RatioRow> rows;
   for (const CostComparison& c : comparisons) {
     draw::RatioRow& row = rows[c.strategy];
     row.name = data.strategies[c.strategy].name;
-    row.panels.resize(2);
-    row.panels[0].push_back(dot(data, c, c.checks, group_of[c.problem]));
-    row.panels[1].push_back(dot(data, c, c.seconds, group_of[c.problem]));
+    row.panels.resize(figure.panels.size());
+    if (style.checks) row.panels.front().push_back(dot(data, c, c.checks, group_of[c.problem]));
+    if (style.seconds) row.panels.back().push_back(dot(data, c, c.seconds, group_of[c.problem]));
   }
   for (auto& [strategy, row] : rows) figure.rows.push_back(std::move(row));
 }
@@ -106,7 +108,7 @@ void write(const CostData& data, const std::vector<CostComparison>& comparisons,
            const FigureStyle& style, const std::string& stem) {
   if (comparisons.empty()) return;
   figure.caption = ratios_caption(data, comparisons);
-  fill(data, comparisons, figure);
+  fill(data, comparisons, style, figure);
   write_figure(std::move(figure), style, stem);
 }
 
@@ -119,10 +121,12 @@ constexpr std::size_t strategy_colours = 6;
 struct Quantity {
   CostKind kind;
   const char* label;
-  double unit;  ///< of the axis, in the unit of the costs
+  double unit;                ///< of the axis, in the unit of the costs
+  bool FigureStyle::*chosen;  ///< whether it has panels
 };
 constexpr std::array<Quantity, 2> quantities = {
-    {{CostKind::checks, "validity checks, all levels", 1.0}, {CostKind::seconds, "CPU time (ms)", 1e-3}}};
+    {{CostKind::checks, "validity checks, all levels", 1.0, &FigureStyle::checks},
+     {CostKind::seconds, "CPU time (ms)", 1e-3, &FigureStyle::seconds}}};
 
 std::size_t index_of(const CostData& data, const std::string& strategy) {
   const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
@@ -131,8 +135,9 @@ std::size_t index_of(const CostData& data, const std::string& strategy) {
 }
 
 /// Distributes the strategies over rows of panels with few curves each; every row includes the baseline.
-std::vector<std::vector<std::size_t>> rows_of(const std::vector<std::size_t>& strategies, std::size_t baseline) {
-  constexpr std::size_t most_curves = 3;  // without the baseline's
+/// \param most_curves  in a panel, without the baseline's
+std::vector<std::vector<std::size_t>> rows_of(const std::vector<std::size_t>& strategies, std::size_t baseline,
+                                              std::size_t most_curves) {
   const bool has = std::find(strategies.begin(), strategies.end(), baseline) != strategies.end();
   std::vector<std::vector<std::size_t>> rows;
   std::size_t in_row = most_curves;
@@ -158,22 +163,28 @@ struct Curve {
   double spent = 0.0;  ///< the end of the curve
 };
 
-/// Curves on one logarithmic axis.
-draw::Panel curves_panel(const CostData& data, const std::string& baseline, const std::vector<Curve>& curves) {
-  draw::Panel panel;
-  panel.x.scale = draw::AxisScale::log;
-  double first = infinity;
+/// The logarithmic axis of all panels of a quantity.
+struct CostAxis {
+  double first = infinity;  ///< less than each cost above 0
   double last = 0.0;
-  for (const Curve& curve : curves) {
-    for (const double at : curve.at) first = at > 0.0 ? std::min(first, at) : first;
+
+  void add(const Curve& curve) {
+    constexpr double before = 0.8;  // the axis begins at this share of the first cost
+    for (const double at : curve.at) first = at > 0.0 ? std::min(first, before * at) : first;
     last = std::max(last, curve.spent);
   }
-  constexpr double before = 0.8;  // the axis begins at this share of the first cost
-  first *= before;
+};
+
+draw::Panel curves_panel(const CostData& data, const std::string& baseline, const std::vector<Curve>& curves,
+                         const CostAxis& axis) {
+  draw::Panel panel;
+  panel.x.scale = draw::AxisScale::log;
+  panel.x.lo = axis.first;
+  panel.x.hi = axis.last;
   for (const Curve& curve : curves) {
     draw::Series series{.kind = draw::Series::Kind::steps,
                         .name = data.strategies[curve.strategy].name,
-                        .x = {first},
+                        .x = {axis.first},
                         .colour = strategy_colour(data, baseline, curve.strategy)};
     constexpr std::array dashes = {draw::Dash::solid, draw::Dash::dashed, draw::Dash::dotted};
     const std::size_t earlier = index_of(data, baseline) < curve.strategy ? 1 : 0;
@@ -185,37 +196,51 @@ draw::Panel curves_panel(const CostData& data, const std::string& baseline, cons
     };
     add(curve.before);
     for (std::size_t i = 0; i < curve.at.size(); ++i) {
-      series.x.push_back(std::max(curve.at[i], first));
+      series.x.push_back(std::max(curve.at[i], axis.first));
       add(curve.y[i]);
     }
-    series.x.push_back(std::max(last, series.x.back()));
+    series.x.push_back(std::max(axis.last, series.x.back()));
     panel.series.push_back(std::move(series));
   }
   return panel;
 }
 
-/// Draws panels of checks and of CPU time side by side, few strategies per row. None without any curve.
+/// Draws panels of checks and of CPU time side by side, few strategies per row; one axis for all panels of a quantity.
+/// None without any curve.
 std::optional<draw::Figure> curves_figure(const CostData& data, const std::string& baseline,
                                           const std::vector<std::size_t>& strategies, const std::string& y_label,
+                                          const FigureStyle& style,
                                           const std::function<Curve(std::size_t strategy, CostKind kind)>& curve_of) {
-  draw::Figure figure{.columns = quantities.size(), .share_y = true, .panel_height = 130.0};
-  for (const auto& row : rows_of(strategies, index_of(data, baseline))) {
-    for (const Quantity& quantity : quantities) {
-      std::vector<Curve> curves;
+  draw::Figure figure{.columns = 0, .share_y = true, .panel_height = 130.0};
+  const auto rows = rows_of(strategies, index_of(data, baseline), style.curves);
+  std::vector<std::vector<draw::Panel>> columns;
+  for (const Quantity& quantity : quantities) {
+    if (!(style.*quantity.chosen)) continue;
+    CostAxis axis;
+    std::vector<std::vector<Curve>> curves;
+    for (const auto& row : rows) {
+      curves.emplace_back();
       for (const std::size_t s : row) {
-        curves.push_back(curve_of(s, quantity.kind));
-        for (double& at : curves.back().at) at /= quantity.unit;
-        curves.back().spent /= quantity.unit;
+        curves.back().push_back(curve_of(s, quantity.kind));
+        for (double& at : curves.back().back().at) at /= quantity.unit;
+        curves.back().back().spent /= quantity.unit;
+        axis.add(curves.back().back());
       }
-      const bool any = std::any_of(curves.begin(), curves.end(), [](const Curve& curve) { return !curve.at.empty(); });
-      if (!any) continue;
-      draw::Panel panel = curves_panel(data, baseline, curves);
+    }
+    if (!(axis.first < axis.last)) continue;
+    columns.emplace_back();
+    for (const auto& row : curves) {
+      draw::Panel panel = curves_panel(data, baseline, row, axis);
       panel.x.label = quantity.label;
       panel.y.label = y_label;
-      figure.panels.push_back(std::move(panel));
+      columns.back().push_back(std::move(panel));
     }
   }
-  if (figure.panels.empty()) return std::nullopt;
+  if (columns.empty()) return std::nullopt;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (auto& column : columns) figure.panels.push_back(std::move(column[r]));
+  }
+  figure.columns = columns.size();
   figure.legend = draw::Legend::above;
   return figure;
 }
@@ -258,20 +283,22 @@ draw::Colour strategy_colour(const CostData& data, const std::string& baseline, 
   return colours.at((strategy - before) % colours.size());
 }
 
-std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem) {
+std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem,
+                                           const FigureStyle& style) {
   Runs runs;
   const auto percent = [](Interval share) {
     for (double* x : {&share.value, &share.lo, &share.hi}) *x *= 100.0;
     return share;
   };
-  auto figure = curves_figure(
-      data, baseline, strategies_on(data, problem), "runs with a path (%)", [&](std::size_t strategy, CostKind kind) {
-        const SuccessCurve found = success_curve(data, problem, strategy, kind);
-        runs.add(found.runs);
-        Curve curve{strategy, found.at, {}, percent(wilson_interval(0, found.runs)), found.spent};
-        for (const Interval& share : found.share) curve.y.push_back(percent(share));
-        return curve;
-      });
+  auto figure =
+      curves_figure(data, baseline, strategies_on(data, problem), "runs with a path (%)", style,
+                    [&](std::size_t strategy, CostKind kind) {
+                      const SuccessCurve found = success_curve(data, problem, strategy, kind);
+                      runs.add(found.runs);
+                      Curve curve{strategy, found.at, {}, percent(wilson_interval(0, found.runs)), found.spent};
+                      for (const Interval& share : found.share) curve.y.push_back(percent(share));
+                      return curve;
+                    });
   if (!figure) return figure;
   figure->title = fmt::format("{}: runs that found a path over what they cost", data.problems[problem].name);
   figure->caption = fmt::format("{}; bands: 95 % Wilson interval of the share.", runs.text());
@@ -282,14 +309,15 @@ std::optional<draw::Figure> success_figure(const CostData& data, const std::stri
   return figure;
 }
 
-std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem) {
+std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem,
+                                          const FigureStyle& style) {
   std::vector<std::size_t> anytime;
   for (const std::size_t s : strategies_on(data, problem)) {
     if (length_curve(data, problem, s, CostKind::checks).improves) anytime.push_back(s);
   }
   Runs runs;
   auto figure =
-      curves_figure(data, baseline, anytime, "length of the path (m)", [&](std::size_t strategy, CostKind kind) {
+      curves_figure(data, baseline, anytime, "length of the path (m)", style, [&](std::size_t strategy, CostKind kind) {
         const LengthCurve found = length_curve(data, problem, strategy, kind);
         runs.add(found.runs);
         Curve curve{strategy, found.at, {}, {}, found.spent};
@@ -310,7 +338,8 @@ std::optional<draw::Figure> length_figure(const CostData& data, const std::strin
   return figure;
 }
 
-std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline) {
+std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline,
+                                              const FigureStyle& style) {
   if (baseline.empty() || data.strategies.size() < 2) return std::nullopt;
   const auto comparisons = compare_costs(data, CostReference::baseline, baseline);
   if (comparisons.empty()) return std::nullopt;
@@ -322,7 +351,7 @@ std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::s
       .caption = ratios_caption(data, comparisons),
       .lines = {{1.0, "as " + baseline, draw::Dash::solid}},
       .width = default_width};
-  fill(data, comparisons, figure);
+  fill(data, comparisons, style, figure);
   return figure;
 }
 
@@ -334,8 +363,8 @@ void write_curves(const CostData& data, const std::string& baseline, const std::
   Directories problems;
   for (std::size_t p = 0; p < data.problems.size(); ++p) {
     const std::filesystem::path place = std::filesystem::path(folder) / problems(data.problems[p].name);
-    const auto success = success_figure(data, baseline, p);
-    const auto length = length_figure(data, baseline, p);
+    const auto success = success_figure(data, baseline, p, style);
+    const auto length = length_figure(data, baseline, p, style);
     if (success || length) make_directory(place.string());
     if (success) write_figure(*success, style, (place / "success").string());
     if (length) write_figure(*length, style, (place / "length").string());
@@ -352,13 +381,14 @@ void write_comparison_figures(const Experiment& experiment, const ExperimentResu
   Directories problems;
   for (std::size_t p = 0; p < data.problems.size(); ++p) {
     const std::filesystem::path place = root / problems(data.problems[p].name);
-    const auto ratios = ratio_figure(data.on(p), data.baseline);
+    const auto ratios = ratio_figure(data.on(p), data.baseline, style);
     if (!ratios) continue;
     make_directory(place.string());
     write_figure(*ratios, style, (place / "ratios").string());
   }
   if (data.problems.size() < 2) return;
-  if (const auto ratios = ratio_figure(data, data.baseline)) write_figure(*ratios, style, (root / "ratios").string());
+  if (const auto ratios = ratio_figure(data, data.baseline, style))
+    write_figure(*ratios, style, (root / "ratios").string());
 }
 
 void write_cost_figures(const CostData& data, const std::string& baseline, const std::string& folder,

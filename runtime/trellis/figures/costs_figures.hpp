@@ -14,14 +14,18 @@ namespace trellis {
 draw::Colour strategy_colour(const CostData& data, const std::string& baseline, std::size_t strategy);
 
 /// Draws the share of solved runs over their cost, a curve with a band for each strategy: checks and CPU time side by
-/// side, rows of at most six strategies and the baseline. None where no run found a path.
-std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem);
+/// side, rows of a few strategies and the baseline. All panels of a quantity have one axis. None where no run found a
+/// path. \param style  the panels and the number of curves in each
+std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem,
+                                           const FigureStyle& style = {});
 /// Draws the path length over time and checks, for the strategies that improve their path; none without such a
 /// strategy.
-std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem);
+std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem,
+                                          const FigureStyle& style = {});
 /// Draws the strategies' costs relative to the baseline's, paired by seed, a dot with its interval for each problem.
 /// None for a single strategy, and without a baseline.
-std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline);
+std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline,
+                                              const FigureStyle& style = {});
 
 /// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy; and for
 /// each problem FOLDER/PROBLEM/success and length.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -19,7 +20,11 @@ struct FigureStyle {
   std::optional<double> width = {};  ///< points; none: each figure's default width
   bool titles = true;                ///< else titles and captions are in a text file beside the figure
   draw::Typeface typeface = draw::Typeface::sans;
-  bool scale_bar = false;  ///< in pictures of planar worlds; those of space have axes
+  bool scale_bar = false;  ///< below pictures of planar worlds; those of space have axes
+  // Of the figures that compare costs: the panels, and the curves in each, beside the baseline's.
+  bool checks = true;
+  bool seconds = true;
+  std::size_t curves = 3;
 };
 
 /// Writes STEM.svg, STEM.png and STEM.pdf. \throws Error where it cannot write one.
