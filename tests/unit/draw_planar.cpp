@@ -325,3 +325,28 @@ TEST_CASE("a picture of a world is drawn of whatever there is", "[draw][planar]"
     CHECK_THROWS_AS(plot(figure), Fault);
   }
 }
+
+TEST_CASE("a scale bar stands below the first panel and covers nothing of the world", "[draw][planar]") {
+  for (const bool circles : {false, true}) {
+    PlanarFigure figure = world();
+    figure.obstacles.push_back(std::vector<Point>{{-1.0, 2.0}, {3.0, 2.0}, {3.0, 5.0}, {-1.0, 5.0}});
+    figure.panels.resize(2);
+    if (circles) figure.panels[0].layers = {layer(std::vector<double>(12, 3.0))};
+    const Canvas plain = plot(figure);
+    figure.scale_bar = true;
+    const Canvas scaled = plot(figure);
+    CHECK(scaled.height() > plain.height());
+    const auto text = [](const Canvas& canvas) { return canvas.markup("x"); };
+    CHECK(text(plain).find(">1 m<") == std::string::npos);
+    CHECK(text(scaled).find(">1 m<") != std::string::npos);
+    // The panel has the same ink as without the bar: the world is 4 m wide and fills a column.
+    const double width = 0.5 * (figure.width - 12.0 - 12.0);
+    const Ink before = plain.ink();
+    const Ink after = scaled.ink();
+    for (double y = 0.0; y < plain.height() - 40.0; y += 10.0) {
+      CAPTURE(y, circles);
+      const Rect strip{0.0, y, width, 10.0};
+      if (strip.bottom() < 0.75 * width) CHECK(after.in(strip) == Approx(before.in(strip)));
+    }
+  }
+}

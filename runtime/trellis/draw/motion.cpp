@@ -210,10 +210,15 @@ class MotionPlot {
       frame.space = space;
       frame.space.x = page::border + column + page::gap + tick_room;
       frame.space.y = y;
-      y += std::max(world.height, space.height + below) + 0.7 * page::gap;
+      const double bar = has_scale_bar(row) ? scale_bar_height() + 3.0 : 0.0;
+      y += std::max(world.height + bar, space.height + below) + 0.7 * page::gap;
       frames_.push_back(std::move(frame));
     }
     height_ = y + (caption_.empty() ? 0.0 : page::block_height(caption_, page::caption_font)) + page::border;
+  }
+
+  [[nodiscard]] bool has_scale_bar(const MotionRow& row) const {
+    return figure_.scale_bar && &row == &figure_.rows.front();
   }
 
   void draw_world(Canvas& canvas, const MotionRow& row, const Frame& frame) const {
@@ -247,8 +252,8 @@ class MotionPlot {
       }
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
-    if (figure_.scale_bar && &row == &figure_.rows.front()) {
-      draw_scale_bar(canvas, plot, plot.width / figure_.world.width);
+    if (has_scale_bar(row)) {
+      draw_scale_bar(canvas, {plot.x, plot.bottom() + 3.0}, plot.width / 3.0, plot.width / figure_.world.width);
     }
   }
 

@@ -49,7 +49,7 @@ struct MotionFigure {
   Point goal{};
   std::vector<MotionRow> rows{};
   double width = 504.0;    ///< points
-  bool scale_bar = false;  ///< in the first picture of the world, in metres
+  bool scale_bar = false;  ///< below the first picture of the world, in metres
 };
 
 /// Draws a figure on white. Its rows and texts determine its height.

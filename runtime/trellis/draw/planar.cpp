@@ -141,7 +141,8 @@ class Plot {
         frame.area = area_per_sample(panel.layers, grid_.cell()) * scale_ * scale_;
         frame.sizes = visible_sizes(sizes_explained(panel.layers), frame.area);
         if (!frame.title.empty()) top = std::max(top, page::block_height(frame.title, page::panel_font) + 3.0);
-        if (!frame.sizes.empty()) bottom = std::max(bottom, circle_sizes_height(frame.sizes, frame.area) + 3.0);
+        const double below = frame.sizes.empty() ? 0.0 : circle_sizes_height(frame.sizes, frame.area) + 3.0;
+        bottom = std::max(bottom, below + (has_scale_bar(p) ? scale_bar_height() + 3.0 : 0.0));
       }
       for (std::size_t p = begin; p < end; ++p) {
         frames_[p].plot = {page::border + static_cast<double>(p - begin) * (column + page::gap), y + top,
@@ -166,6 +167,8 @@ class Plot {
             .x0 = plot.x - scale_ * figure_.world.x,
             .y0 = plot.bottom() + scale_ * figure_.world.y};
   }
+
+  [[nodiscard]] bool has_scale_bar(std::size_t p) const { return figure_.scale_bar && p == 0; }
 
   void draw_panel(Canvas& canvas, std::size_t p) const {
     const PlanarPanel& panel = figure_.panels[p];
@@ -195,7 +198,10 @@ class Plot {
       outline(canvas, goal, plot.grown(10.0));
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
-    if (figure_.scale_bar && p == 0) draw_scale_bar(canvas, plot, scale_);
+    if (has_scale_bar(p)) {
+      const double below = frame.sizes.empty() ? 0.0 : circle_sizes_height(frame.sizes, frame.area) + 3.0;
+      draw_scale_bar(canvas, {plot.x, plot.bottom() + below + 3.0}, plot.width / 3.0, scale_);
+    }
     if (!panel.note.empty()) draw_note(canvas, panel.note, plot);
     draw_sizes(canvas, panel, frame);
   }

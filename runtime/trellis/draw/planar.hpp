@@ -79,7 +79,7 @@ struct PlanarFigure {
   std::size_t columns = 3;
   RoleColours colours = RoleColours::safe;
   double width = 504.0;    ///< points
-  bool scale_bar = false;  ///< in the first panel: a length of the world, in metres
+  bool scale_bar = false;  ///< below the first panel: a length of the world, in metres
 };
 
 /// Returns the area of a circle per sample of the mean count, square metres; one scale for all layers of a panel.

@@ -78,21 +78,20 @@ void outline(Canvas& canvas, const std::vector<Path>& paths, const Rect& page, s
   outline(canvas, paths, page, at + 1);
 }
 
-void draw_scale_bar(Canvas& canvas, const Rect& plot, double scale) {
-  const double longest = plot.width / 3.0 / scale;
+double scale_bar_height() { return page::line_height(page::tick_font) + 1.0; }
+
+void draw_scale_bar(Canvas& canvas, Point at, double most, double scale) {
+  const double longest = most / scale;
   const double power = std::pow(10.0, std::floor(std::log10(longest)));
   const double metres = longest >= 5.0 * power ? 5.0 * power : longest >= 2.0 * power ? 2.0 * power : power;
-  const std::string text = fmt::format("{:g} m", metres);
-  const TextExtents size = text_extents(text, page::tick_font);
   const double length = metres * scale;
-  const Point from{plot.x + 5.0, plot.bottom() - 5.0};
-  const double width = std::max(length, size.width);
-  canvas.fill(Path::rectangle({from.x - 2.0, from.y - size.cap - 6.0, width + 4.0, size.cap + 9.0}),
-              palette::paper.faded(0.8));
-  canvas.line(from, {from.x + length, from.y}, {palette::ink, 1.2});
-  for (const double x : {from.x, from.x + length})
-    canvas.line({x, from.y - 2.0}, {x, from.y + 2.0}, {palette::ink, 0.8});
-  canvas.text(text, {from.x, from.y - 3.5}, {page::tick_font, palette::ink});
+  const double middle = at.y + 0.5 * scale_bar_height();
+  canvas.line({at.x, middle}, {at.x + length, middle}, {palette::ink, 1.2, {}, Cap::butt});
+  for (const double x : {at.x, at.x + length}) {
+    canvas.line({x, middle - 2.0}, {x, middle + 2.0}, {palette::ink, 0.8});
+  }
+  canvas.text(fmt::format("{:g} m", metres), {at.x + length + 4.0, middle},
+              {page::tick_font, palette::ink, Align::left, Stand::middle});
 }
 
 void draw_end(Canvas& canvas, Point at, double radius, bool start) {

@@ -21,9 +21,12 @@ void append(Path& to, const Path& path);
 std::vector<Path> robot_paths(const std::vector<WorldShape>& parts, const Transform& map);
 /// Draws the outline of the union of paths, on its outer side: within `page`, outside the paths from `at` on.
 void outline(Canvas& canvas, const std::vector<Path>& paths, const Rect& page, std::size_t at = 0);
-/// Draws a bar in the lower left corner of a plot of the world: a round number of metres, at most a third of the plot's
-/// width. \param scale  points per metre
-void draw_scale_bar(Canvas& canvas, const Rect& plot, double scale);
+/// The height in points of the row that draw_scale_bar() draws.
+double scale_bar_height();
+/// Draws a scale bar, which belongs below a plot of the world, where it covers nothing: a round number of metres, and
+/// the number to the right of it. \param at  its left upper corner \param most  its largest length, points
+/// \param scale  points per metre
+void draw_scale_bar(Canvas& canvas, Point at, double most, double scale);
 /// Draws a start or a goal that is a point, as a disc.
 void draw_end(Canvas& canvas, Point at, double radius, bool start);
 void draw_obstacles(Canvas& canvas, const std::vector<WorldShape>& obstacles, const Transform& map);
