@@ -2,11 +2,13 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <regex>
 #include <string>
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/chart.hpp>
 #include <trellis/draw/marks.hpp>
+#include <trellis/draw/text.hpp>
 
 #include "draw_pictures.hpp"
 #include "support/catch.hpp"
@@ -273,4 +275,82 @@ TEST_CASE("a chart that contradicts itself is a fault", "[draw]") {
   // An end on its own, with all data on the other side of it, still makes an axis.
   figure.panels[0].y.lo = 100.0;
   check_formats(plot(figure));
+}
+
+namespace {
+
+/// A printed text, unturned: its box on paper, from the baseline to the height of a capital.
+struct Printed {
+  std::string text;
+  Rect box;
+};
+
+std::vector<Printed> printed(const Canvas& canvas, const std::string& size) {
+  const std::string markup = canvas.markup("x");
+  const std::regex pattern("<text x=\"(-?[0-9.]+)\" y=\"(-?[0-9.]+)\" font-size=\"" + size +
+                           "\"[^>]*textLength=\"([0-9.]+)\"[^>]*translate\\((-?[0-9.]+) (-?[0-9.]+)\\)\">([^<]*)<");
+  std::vector<Printed> found;
+  for (std::sregex_iterator i(markup.begin(), markup.end(), pattern), end; i != end; ++i) {
+    const auto number = [&](std::size_t n) { return std::stod((*i)[n]); };
+    const double cap = text_extents("0", {.size = std::stod(size)}).cap;
+    found.push_back({(*i)[6], {number(1) + number(4), number(2) + number(5) - cap, number(3), cap}});
+  }
+  return found;
+}
+
+bool apart(const Rect& a, const Rect& b) {
+  return a.right() <= b.x || b.right() <= a.x || a.bottom() <= b.y || b.bottom() <= a.y;
+}
+
+}  // namespace
+
+TEST_CASE("texts of bars cover neither each other nor bars", "[draw]") {
+  // A small bar between tall ones, one that ends at zero from below, and values whose texts are wider than bars.
+  const std::vector<double> base = {0.0, 1.04, 2.06, -2.3, 0.0, 0.0};
+  const std::vector<double> top = {1.04, 2.06, 2.1, -0.05, 0.02, -1.48};
+  Panel panel;
+  for (std::size_t i = 0; i < top.size(); ++i) panel.x.categories.push_back("c");
+  panel.y.lo = -2.35;
+  panel.y.hi = 3.0;
+  Series bars{.kind = Series::Kind::bars, .name = "bars", .y = top, .lo = top, .hi = top, .base = base};
+  for (std::size_t i = 0; i < top.size(); ++i) {
+    bars.x.push_back(static_cast<double>(i));
+    bars.hi[i] += 0.1;
+    bars.text.push_back(number_text(top[i] - base[i], 2));
+  }
+  panel.series.push_back(bars);
+  const Canvas canvas = plot(Figure{.panels = {panel}, .width = 260.0, .panel_height = 120.0, .legend = Legend::none});
+  const std::vector<Printed> texts = printed(canvas, "6.5");
+  REQUIRE(texts.size() == top.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      CAPTURE(texts[i].text, texts[j].text);
+      CHECK(apart(texts[i].box, texts[j].box));
+    }
+  }
+  // Without the texts there is no ink where they stand, but for the faint grid.
+  for (Series& series : panel.series) series.text.clear();
+  const Canvas plain = plot(Figure{.panels = {panel}, .width = 260.0, .panel_height = 120.0, .legend = Legend::none});
+  REQUIRE(plain.height() == canvas.height());
+  const std::string markup = plain.markup("x");
+  const std::regex bar("<path d=\"M([0-9.]+) ([0-9.]+)L([0-9.]+) [0-9.]+L[0-9.]+ ([0-9.]+)L[^\"]*\" fill=\"#0072b2\"");
+  std::size_t seen = 0;
+  for (std::sregex_iterator i(markup.begin(), markup.end(), bar), end; i != end; ++i, ++seen) {
+    const auto number = [&](std::size_t n) { return std::stod((*i)[n]); };
+    const Rect box{number(1), number(2), number(3) - number(1), number(4) - number(2)};
+    for (const Printed& text : texts) {
+      CAPTURE(text.text, text.box.x, text.box.y, box.x, box.y, box.width, box.height);
+      CHECK(apart(text.box, box));
+    }
+  }
+  CHECK(seen == top.size());
+}
+
+TEST_CASE("the last line of a panel's title is never left out", "[draw]") {
+  const std::string name = "a strategy with a name that is far too long for the title of a panel of this width";
+  Panel tree{.title = name + "\ntree"};
+  Panel expansion{.title = name + "\nexpansion"};
+  const std::string markup = plot(Figure{.panels = {tree, expansion}, .columns = 2, .width = 300.0}).markup("x");
+  CHECK(markup.find(">tree<") != std::string::npos);
+  CHECK(markup.find(">expansion<") != std::string::npos);
 }

@@ -200,6 +200,16 @@ std::string axis_label(const Axis& axis, const Ticks& ticks) {
   return axis.label.empty() ? factor : fmt::format("{} ({})", axis.label, factor);
 }
 
+/// Returns a panel's title in at most two lines. Where it has several lines, the last one stands below these, whole: it
+/// distinguishes panels of one name.
+std::vector<std::string> title_lines(const std::string& title, double width) {
+  const std::size_t last = title.rfind('\n');
+  if (last == std::string::npos) return wrapped(title, width, panel_font, 2);
+  std::vector<std::string> lines = wrapped(title.substr(0, last), width, panel_font, 2);
+  lines.push_back(shorten(title.substr(last + 1), width, panel_font));
+  return lines;
+}
+
 class Plot {
  public:
   explicit Plot(const Figure& figure) : figure_(figure) {
@@ -431,7 +441,7 @@ class Plot {
     } else if (panel.x.categories.empty()) {
       cell.bottom += tick_length;
     }
-    cell.title = wrapped(panel.title, width, panel_font, 2);
+    cell.title = title_lines(panel.title, width);
     cell.top = lanes_height(panel) + (cell.title.empty() ? 3.0 : 4.0 + block_height(cell.title, panel_font));
     if (cell.label_y) cell.top = std::max(cell.top, 0.5 * tick_line);
   }

@@ -80,7 +80,7 @@ struct Lane {
 };
 
 struct Panel {
-  std::string title{};
+  std::string title{};  ///< of several lines, the last one is never left out
   Axis x{};
   Axis y{};
   std::vector<Series> series{};

@@ -122,6 +122,7 @@ class Marks {
         edge({0.5 * (frame_.plot.x + frame_.plot.right()), 0.0}, 0, off, reference.colour);
       }
     }
+    add_obstacles(bars);
     each(Series::Kind::bars, [&](const Series& s, std::size_t i) { bar_texts(s, i, bars); });
     return beyond_;
   }
@@ -363,43 +364,105 @@ class Marks {
     }
   }
 
+  /// Adds what a text beside bars must not cover: the bars, their whiskers and arrows, connectors and the zero line.
+  void add_obstacles(const Places& at) {
+    const Rect& plot = frame_.plot;
+    const auto add = [&](Point a, Point b, double width) {
+      taken_.push_back(
+          Rect{std::min(a.x, b.x), std::min(a.y, b.y), std::abs(a.x - b.x), std::abs(a.y - b.y)}.grown(0.5 * width));
+    };
+    each(Series::Kind::bars, [&](const Series& s, std::size_t index) {
+      for (std::size_t i = 0; i < s.y.size(); ++i) {
+        if (!known(s.x[i], s.y[i]) || std::isnan(base(s, i)) || frame_.x.beyond(s.x[i]) != 0) continue;
+        const double x = frame_.x(s.x[i]) + at.shift(index);
+        const double half = 0.5 * at.width();
+        add({x - half, frame_.y.inside(base(s, i))}, {x + half, frame_.y.inside(s.y[i])}, 0.8);
+        double lowest = s.y[i];
+        double highest = s.y[i];
+        for (const double v : {nth(s.lo, i), nth(s.hi, i)}) {
+          if (std::isnan(v)) continue;
+          lowest = std::min(lowest, v);
+          highest = std::max(highest, v);
+        }
+        add({x - cap_half, frame_.y.inside(lowest)}, {x + cap_half, frame_.y.inside(highest)}, 0.8);
+        if (frame_.y.beyond(highest) > 0) add({x - arrow_half, plot.y}, {x + arrow_half, plot.y + arrow_length}, 1.2);
+        if (frame_.y.beyond(lowest) < 0) {
+          add({x - arrow_half, plot.bottom() - arrow_length}, {x + arrow_half, plot.bottom()}, 1.2);
+        }
+      }
+    });
+    for (const auto& connector : panel_.connectors) {
+      const Point from = place(connector.from.x, connector.from.y);
+      const Point to = place(connector.to.x, connector.to.y);
+      if (known(from.x, from.y) && known(to.x, to.y)) add(from, to, 0.6);
+    }
+    if (panel_.y.scale == AxisScale::linear && frame_.y.beyond(0.0) == 0) {
+      add({plot.x, frame_.y(0.0)}, {plot.right(), frame_.y(0.0)}, 0.6);
+    }
+  }
+
+  /// Returns the area of a text that covers other marks.
+  [[nodiscard]] double covered(const Rect& text) const {
+    double area = 0.0;
+    for (const Rect& other : taken_) {
+      const double wide = std::min(text.right(), other.right()) - std::max(text.x, other.x);
+      const double high = std::min(text.bottom(), other.bottom()) - std::max(text.y, other.y);
+      if (wide > 0.0 && high > 0.0) area += wide * high;
+    }
+    return area;
+  }
+
+  /// Prints the texts of bars above them, or as near as there is a place where they cover nothing.
   void bar_texts(const Series& s, std::size_t index, const Places& at) {
     if (s.text.empty()) return;
     const BarText set = bar_text(panel_, frame_.plot.width);
+    const Rect& plot = frame_.plot;
     for (std::size_t i = 0; i < s.y.size(); ++i) {
       if (std::isnan(s.x[i]) || frame_.x.beyond(s.x[i]) != 0 || s.text[i].empty()) continue;
-      const double x = frame_.x(s.x[i]) + at.shift(index);
-      double top = frame_.plot.bottom();
-      bool edge_above = false;
-      bool edge_below = false;
+      double top = plot.bottom();
+      double bottom = plot.y;
       const bool cut = !std::isnan(s.y[i]) && frame_.y.beyond(s.y[i]) != 0;
       for (const double v :
            {base(s, i), s.y[i], cut ? not_a_number : nth(s.lo, i), cut ? not_a_number : nth(s.hi, i)}) {
         if (std::isnan(v)) continue;
         top = std::min(top, frame_.y.inside(v));
-        edge_above = edge_above || frame_.y.beyond(v) > 0;
-        edge_below = edge_below || frame_.y.beyond(v) < 0;
+        bottom = std::max(bottom, frame_.y.inside(v));
       }
-      // Clear of edge arrows, and never outside of the frame.
       const TextExtents size = text_extents(s.text[i], set.font);
-      const double length = set.upright ? size.width : size.cap;
-      double bottom = std::max(top - 3.0, frame_.plot.y + length + 2.0);
-      if (edge_below) bottom = std::min(bottom, frame_.plot.bottom() - arrow_length - 4.0);
-      if (edge_above) bottom = frame_.plot.y + arrow_length + 3.0 + length;
-      const double half = 0.5 * (set.upright ? size.cap : size.width);
-      if (edge_above) {
-        canvas_.fill(Path::rectangle({x - half - 1.0, bottom - length - 1.5, 2.0 * half + 2.0, length + 3.0}),
-                     palette::paper.faded(0.85));
+      const double height = set.upright ? size.width : size.cap;
+      const double width = set.upright ? size.cap : size.width;
+      // A text may be wider than its bar, but stays beside the axis.
+      const double x = std::max(frame_.x(s.x[i]) + at.shift(index), plot.x + 0.5 * width + 1.0);
+      Rect best;
+      double least = std::numeric_limits<double>::infinity();
+      const auto attempt = [&](double y, double penalty) {
+        const Rect rect{x - 0.5 * width, y, width, height};
+        if (rect.y < plot.y + 1.0 || rect.bottom() > plot.bottom() - 1.0) return;
+        const double cost = 1000.0 * covered(rect.grown(0.7)) + penalty;
+        if (cost >= least) return;
+        least = cost;
+        best = rect;
+      };
+      constexpr double away = 2.0;    // from the bar
+      constexpr double below = 10.0;  // points of distance that a place below costs more
+      for (double shift = 0.0; shift < plot.height; shift += 1.5) {
+        attempt(top - away - height - shift, shift);
+        attempt(bottom + away + shift, shift + below);
+        if (least <= shift) break;
       }
+      if (!std::isfinite(least)) best = {x - 0.5 * width, plot.y + 1.0, width, height};
+      if (covered(best) > 0.0) canvas_.fill(Path::rectangle(best.grown(1.0)), palette::paper.faded(0.85));
       TextStyle style{set.font, palette::ink, Align::centre};
       if (set.upright) style = {set.font, palette::ink, Align::left, Stand::middle, 90.0};
-      canvas_.text(s.text[i], {x, bottom}, style);
+      canvas_.text(s.text[i], {x, best.bottom()}, style);
+      taken_.push_back(best);
     }
   }
 
   Canvas& canvas_;
   const Panel& panel_;
   const Frame& frame_;
+  std::vector<Rect> taken_;  ///< where texts of bars would cover a mark
   bool beyond_ = false;
 };
 
@@ -457,7 +520,7 @@ BarText bar_text(const Panel& panel, double width) {
   }
   if (texts.empty()) return set;
   const std::size_t count = panel.x.categories.empty() ? texts.size() : panel.x.categories.size();
-  const double pitch = width / static_cast<double>(std::max<std::size_t>(count, 1)) - 1.0;
+  const double pitch = width / static_cast<double>(std::max<std::size_t>(count, 1)) - 3.0;
   const auto widest = [&] {
     double most = 0.0;
     for (const auto* text : texts) most = std::max(most, text_extents(*text, set.font).width);
