@@ -16,6 +16,8 @@ namespace {
 constexpr double least_column = 60.0;  ///< mm; names and numbers require this width
 constexpr double most_column = 400.0;
 constexpr std::uint64_t most_curves = 100;
+constexpr double zenith = 90.0;
+constexpr double turn = 360.0;
 
 }  // namespace
 
@@ -34,6 +36,13 @@ void add_figure_options(Subcommand& verb, FigureOptions& options) {
               "of the tables that --out writes: markdown (default) or latex");
 }
 
+void add_view_options(Subcommand& verb, FigureOptions& options) {
+  verb.number("--azimuth", "DEGREES", -turn, options.azimuth,
+              "of the direction from which pictures of space are seen, from the x axis (default -60)");
+  verb.number("--elevation", "DEGREES", -zenith, options.elevation,
+              "of this direction above the horizon, to 90 (default 30; more for flat worlds)");
+}
+
 FigureStyle figure_style(const FigureOptions& options, bool drawn) {
   FigureStyle style;
   if (options.column) {
@@ -49,7 +58,17 @@ FigureStyle figure_style(const FigureOptions& options, bool drawn) {
   style.checks = options.panels.value_or(2) != 1;
   style.seconds = options.panels.value_or(2) != 0;
   style.curves = static_cast<std::size_t>(options.curves.value_or(style.curves));
+  style.azimuth = options.azimuth;
+  style.elevation = options.elevation;
+  if (options.elevation.value_or(0.0) > zenith) {
+    throw Error(fmt::format("--elevation must be a number of at most {:g}, got {:g}", zenith, *options.elevation));
+  }
+  if (options.azimuth.value_or(0.0) > turn) {
+    throw Error(fmt::format("--azimuth must be a number of at most {:g}, got {:g}", turn, *options.azimuth));
+  }
   if (drawn) return style;
+  const bool of_space = options.azimuth || options.elevation;
+  if (of_space) throw Error("--azimuth and --elevation: nothing is drawn without a folder");
   if (options.panels || options.curves) throw Error("--panels and --curves: nothing is drawn without a folder");
   const bool any = style.width || options.untitled || options.serif || options.scale_bar;
   if (any) throw Error("--column, --untitled, --serif and --scalebar: nothing is drawn without a folder");

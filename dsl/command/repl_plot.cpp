@@ -95,13 +95,20 @@ void add_world(const LevelRecord& record, Sketch& sketch) {
   }
 }
 
+draw::Camera camera_of(const draw::Point3& lo, const draw::Point3& hi, const PlotView& view) {
+  draw::Camera camera = draw::camera_for(lo, hi);
+  camera.azimuth = view.azimuth.value_or(camera.azimuth);
+  camera.elevation = view.elevation.value_or(camera.elevation);
+  return camera;
+}
+
 /// Where a camera far away sees points of space: metres to the right and upwards.
 class Viewpoint {
  public:
-  explicit Viewpoint(const World3& world)
+  Viewpoint(const World3& world, const PlotView& view)
       : lo_(drawn(world.bounds().lo)),
         hi_(drawn(world.bounds().hi)),
-        camera_(draw::camera_for(lo_, hi_)),
+        camera_(camera_of(lo_, hi_, view)),
         right_(camera_.right()),
         up_(camera_.up()) {}
 
@@ -169,15 +176,18 @@ class Viewpoint {
   draw::Point3 up_;
 };
 
-Sketch sketch_of(const Run& run, std::size_t level) {
+Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
   const LevelRecord& record = run.result().levels.at(level).record;
   const auto& axes = record.position_axes;
   const bool in_space = is_spatial(record);
   if (!in_space && (axes.size() < 2 || record.scene == nullptr || record.scene->planar() == nullptr)) {
     throw Error(fmt::format("plot: level {}, {}, has no position in the plane or in space", level, record.name));
   }
+  if (!in_space && (from.azimuth || from.elevation)) {
+    throw Error(fmt::format("plot: level {}, {}, is in the plane, which is drawn from above", level, record.name));
+  }
   std::optional<Viewpoint> view;
-  if (in_space) view.emplace(record.scene->spatial()->world);
+  if (in_space) view.emplace(record.scene->spatial()->world, from);
   const auto at = [&](View q) {
     return view ? (*view)({q[axes[0]], q[axes[1]], q[axes[2]]}) : Point{q[axes[0]], q[axes[1]]};
   };
@@ -237,8 +247,8 @@ draw::Format format_of(const std::string& path) {
 
 }  // namespace
 
-std::string plot_text(const Run& run, std::size_t level, const Screen& screen) {
-  const Sketch sketch = sketch_of(run, level);
+std::string plot_text(const Run& run, std::size_t level, const Screen& screen, const PlotView& view) {
+  const Sketch sketch = sketch_of(run, level, view);
   const double wide = sketch.bounds.hi.x - sketch.bounds.lo.x;
   const double high = sketch.bounds.hi.y - sketch.bounds.lo.y;
   // A frame of one character, and space for the caption and the prompt; a dot is as high as wide.
@@ -311,7 +321,7 @@ std::string plot_text(const Run& run, std::size_t level, const Screen& screen) {
 namespace {
 
 /// Returns a level of a run in space as a picture.
-draw::Canvas spatial_picture(const Run& run, std::size_t level) {
+draw::Canvas spatial_picture(const Run& run, std::size_t level, const PlotView& view) {
   const LevelRecord& record = run.result().levels.at(level).record;
   const auto at = [&](View q) {
     return draw::Point3{q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
@@ -325,6 +335,7 @@ draw::Canvas spatial_picture(const Run& run, std::size_t level) {
   }
   draw::SpatialFigure figure = spatial_frame(problem);
   const draw::Point3 size = figure.hi - figure.lo;
+  figure.camera = camera_of(figure.lo, figure.hi, view);
   figure.cell = std::max({size.x, size.y, size.z});
   figure.columns = 1;
   figure.strong_path = true;
@@ -347,17 +358,17 @@ draw::Canvas spatial_picture(const Run& run, std::size_t level) {
     panel.paths.push_back(std::move(curve));
   }
   figure.panels.push_back(std::move(panel));
-  const std::string caption = sketch_of(run, level).caption;
+  const std::string caption = sketch_of(run, level, view).caption;
   figure.caption = figure.caption.empty() ? caption : caption + ". " + figure.caption;
   return draw::plot(figure);
 }
 
 }  // namespace
 
-std::string plot_picture(const Run& run, std::size_t level, const std::string& path) {
+std::string plot_picture(const Run& run, std::size_t level, const std::string& path, const PlotView& view) {
   const draw::Format format = format_of(path);
-  if (is_spatial(run.result().levels.at(level).record)) return spatial_picture(run, level).render(format);
-  const Sketch sketch = sketch_of(run, level);
+  if (is_spatial(run.result().levels.at(level).record)) return spatial_picture(run, level, view).render(format);
+  const Sketch sketch = sketch_of(run, level, view);
   namespace page = draw::page;
   namespace palette = draw::palette;
   const double wide = sketch.bounds.hi.x - sketch.bounds.lo.x;

@@ -54,7 +54,8 @@ constexpr std::array<Verb, 22> all_verbs = {{
      "what each level of a run did, and what guided and unguided proposals spent, as in the report"},
     {"samples", "samples(level, role)", R"(the nodes ("tree") or proposals ("expansion") of a level; level 0's tree)"},
     {"efficiency", "efficiency(target)", "how well each level sampled, against the run's path; target: tube {}"},
-    {"plot", "plot(level) or plot(\"run.svg\", level)", "the world, tree, failed proposals and path; or a picture"},
+    {"plot", "plot(level) or plot(\"run.svg\", level, { azimuth = 20 })",
+     "the world, tree, failed proposals and path; or a picture. In space: options azimuth and elevation, in degrees"},
     {"compare", "compare(a, b, ..., { seeds = 5 })",
      "strategies side by side, paired by seed; options: problem, seeds, measure"},
     {"time", "time(strategy, 20, problem)",
@@ -328,13 +329,15 @@ class Verbs {
     int next = 1;
     const Run& run = *run_argument(call, "plot", next);
     const auto file = call[next].string();
-    const Value given = call[file ? next + 1 : next];
-    const std::size_t level = given.given() ? level_argument("plot", run, given) : level_at_work(run);
+    if (file) ++next;
+    const bool numbered = call[next].given() && call[next].type() != Type::table;
+    const std::size_t level = numbered ? level_argument("plot", run, call[next++]) : level_at_work(run);
+    const PlotView view = call[next].given() ? view_argument(call[next]) : PlotView{};
     if (file) {
-      write_own("plot", *file, plot_picture(run, level, *file));
+      write_own("plot", *file, plot_picture(run, level, *file, view));
       say(fmt::format("{} written", *file));
     } else {
-      print_drawing(plot_text(run, level, bench_.screen()));
+      print_drawing(plot_text(run, level, bench_.screen(), view));
     }
     return 0;
   }
@@ -749,6 +752,24 @@ class Verbs {
       throw Error(fmt::format("{}: it takes a run and nothing else, got {}", verb, dsl::describe(call[next])));
     }
     return run;
+  }
+
+  /// { azimuth = 20, elevation = 60 }
+  static PlotView view_argument(Value options) {
+    if (options.type() != Type::table) {
+      throw Error(fmt::format("plot: a view belongs here, as {{ azimuth = 20, elevation = 60 }}, got {}",
+                              dsl::describe(options)));
+    }
+    check_options("plot", options, {"azimuth", "elevation"});
+    const auto degrees = [&](const char* name, double most) -> std::optional<double> {
+      const Value given = options.field(name);
+      if (!given.given()) return std::nullopt;
+      const auto number = given.number();
+      if (number && std::abs(*number) <= most) return number;
+      throw Error(fmt::format("plot: option '{}' must be a number of degrees in [-{:g}, {:g}], got {}", name, most,
+                              most, dsl::describe(given)));
+    };
+    return {.azimuth = degrees("azimuth", 360.0), .elevation = degrees("elevation", 90.0)};
   }
 
   static std::size_t level_argument(const char* verb, const Run& run, Value value) {

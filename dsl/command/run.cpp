@@ -173,9 +173,10 @@ std::string style_text(const Options& options) {
   const auto number = [](const auto& given) {
     return given ? fmt::format("{:g}", static_cast<double>(*given)) : "none";
   };
-  return fmt::format("palette {}, column {}, untitled {}, serif {}, scale bar {}, panels {}, curves {}",
-                     options.palette.value_or(0), style.column ? std::to_string(*style.column) : "none", style.untitled,
-                     style.serif, style.scale_bar, number(style.panels), number(style.curves));
+  return fmt::format(
+      "palette {}, column {}, untitled {}, serif {}, scale bar {}, panels {}, curves {}, azimuth {}, elevation {}",
+      options.palette.value_or(0), style.column ? std::to_string(*style.column) : "none", style.untitled, style.serif,
+      style.scale_bar, number(style.panels), number(style.curves), number(style.azimuth), number(style.elevation));
 }
 
 /// Writes what is finished after an interruption. Returns what remains.
@@ -485,6 +486,7 @@ void add_run(CommandLine& line) {
   verb.choice("--palette", {"safe", "paper"}, options->palette,
               "the figures' colours of samples: safe, for any colour vision, or paper");
   add_figure_options(verb, options->style);
+  add_view_options(verb, options->style);
   verb.choice("--report", report_kinds(), options->report,
               "what is printed: overview (default), levels, efficiency or full");
   verb.flag("--full", options->full, "as --report full");

@@ -183,8 +183,12 @@ TEST_CASE("figures are drawn of every strategy, in the palette asked for", "[slo
   CHECK(reset);
   CHECK(place.run({"run", "guided.lua", "--serif"}).err ==
         "trellis: --column, --untitled, --serif and --scalebar: nothing is drawn without a folder\n");
+  CHECK(place.run({"run", "guided.lua", "--azimuth", "20"}).err ==
+        "trellis: --azimuth and --elevation: nothing is drawn without a folder\n");
   CHECK(place.run({"run", "guided.lua", "--panels", "time"}).err ==
         "trellis: --panels and --curves: nothing is drawn without a folder\n");
+  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--elevation", "91"}).err ==
+        "trellis: --elevation must be a number of at most 90, got 91\n");
   CHECK(place.run({"run", "guided.lua", "--figures", "more", "--column", "9999"}).err ==
         "trellis: --column: at most 400 mm, got 9999\n");
   CHECK(place.run({"run", "guided.lua", "--figures", "more", "--column", "9"}).status == 2);

@@ -410,7 +410,9 @@ TEST_CASE("a run in space is drawn as edges from a corner, and written as a pict
            "plot()\n"
            "planned = plan(workspace() >> rrt_connect { step = 1, bound = 0 }, hall)\n"
            "plot 'hall.svg'\n"
-           "plot(1)\n");
+           "plot(1)\n"
+           "plot('turned.svg', 0, { azimuth = 20, elevation = 70 })\n"
+           "plot(1, { azimuth = 15 })\n");
   CHECK(piped.err.empty());
   const std::size_t begin = piped.out.find("┌");
   REQUIRE(begin != std::string::npos);
@@ -420,6 +422,20 @@ TEST_CASE("a run in space is drawn as edges from a corner, and written as a pict
   CHECK_THAT(piped.out,
              Contains("level 1, workspace(0): ") && Contains("a world of 10 m x 10 m x 4 m from azimuth -60"));
   CHECK_THAT(content(place / "hall.svg"), Contains("<svg"));
+  CHECK_THAT(piped.out, Contains("a world of 10 m x 10 m x 4 m from azimuth 15"));
+  CHECK_THAT(content(place / "turned.svg"), Contains("<svg"));
+  CHECK(content(place / "turned.svg") != content(place / "hall.svg"));
+}
+
+TEST_CASE("a view of plot is one of a problem in space, in degrees") {
+  const Place place;
+  const auto error = [&](const std::string& call) {
+    return pipe(place, "plan(rrt_connect {}, scenes.cup())\n" + call + "\n").err;
+  };
+  CHECK_THAT(error("plot { azimuth = 10 }"), Contains("level 0, root, is in the plane, which is drawn from above"));
+  CHECK_THAT(error("plot { azimut = 10 }"), Contains("no option 'azimut' (did you mean 'azimuth'?)"));
+  CHECK_THAT(error("plot { elevation = 91 }"),
+             Contains("option 'elevation' must be a number of degrees in [-90, 90], got 91"));
 }
 
 TEST_CASE("a run of a document is replayed by the script that it names") {

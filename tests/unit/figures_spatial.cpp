@@ -79,6 +79,20 @@ TEST_CASE("meshes of a world are simplified to a limit, and primitives are not",
   CHECK(volume(few.obstacles[0]) > 3.5);
 }
 
+TEST_CASE("pictures of space are seen from where the style says", "[figures]") {
+  const draw::SpatialFigure frame = spatial_frame(test::slot_experiment().problems.front());
+  const Folder folder;
+  const auto picture = [&](const std::string& name, const FigureStyle& style) {
+    write_figure(frame, style, (folder.path() / name).string());
+    return read(folder.path() / (name + ".svg"));
+  };
+  const std::string usual = picture("usual", {});
+  CHECK(picture("same", {.azimuth = frame.camera.azimuth, .elevation = frame.camera.elevation}) == usual);
+  const std::string turned = picture("turned", {.azimuth = 20.0});
+  CHECK(turned != usual);
+  CHECK(picture("above", {.azimuth = 20.0, .elevation = 90.0}) != turned);
+}
+
 TEST_CASE("figures of a problem in space have the names of planar ones", "[figures][slow]") {
   const Experiment experiment = test::slot_experiment();
   const ExperimentResult result = run(experiment);

@@ -66,6 +66,8 @@ void write_figure(draw::PlanarFigure figure, const FigureStyle& style, const std
 
 void write_figure(draw::SpatialFigure figure, const FigureStyle& style, const std::string& stem) {
   if (is_narrow(style)) figure.columns = 1;
+  figure.camera.azimuth = style.azimuth.value_or(figure.camera.azimuth);
+  figure.camera.elevation = style.elevation.value_or(figure.camera.elevation);
   write(std::move(figure), style, stem);
 }
 

@@ -25,6 +25,9 @@ struct FigureStyle {
   bool checks = true;
   bool seconds = true;
   std::size_t curves = 3;
+  // The view of pictures of space, in degrees; none: that of draw::camera_for().
+  std::optional<double> azimuth = {};
+  std::optional<double> elevation = {};
 };
 
 /// Writes STEM.svg, STEM.png and STEM.pdf. \throws Error where it cannot write one.
