@@ -11,6 +11,8 @@
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/report/latex.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+#include <trellis/report/words.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/folder.hpp"
@@ -194,10 +196,43 @@ TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each 
 }
 
 TEST_CASE("what LaTeX would take for a sign of its own is written as text", "[report]") {
-  const std::string text = latex("# 5 % of `a_b` & c\n\n| x\\|y | **no** |\n|---|---|\n| 1<br>2 | ± {3} |\n");
-  CHECK(text.find("\\section*{5 \\% of \\texttt{a\\_b} \\& c}") != std::string::npos);
+  const std::string text =
+      latex("## 5 % of `a_b` & c\n\n| x\\|y | **no** |\n|---|---|\n| 1<br>2 | ± {3} |\n| [a] | 4<br>[5, 6] |\n");
+  // LaTeX would take "[" after a line break for its option.
+  CHECK(text.find("4 \\\\ {}[5, 6]") != std::string::npos);
+  CHECK(text.find("\n{}[a] & ") != std::string::npos);
+  CHECK(text.find("\\textbf{5 \\% of \\texttt{a\\_b} \\& c}") != std::string::npos);
   CHECK(text.find("x$|$y & \\textbf{no} \\\\\n\\midrule") != std::string::npos);
   CHECK(text.find("\\begin{tabular}[t]{@{}r@{}}1 \\\\ 2\\end{tabular} & $\\pm$ \\{3\\} \\\\") != std::string::npos);
+}
+
+TEST_CASE("tables in LaTeX add no section to the document that reads them", "[report]") {
+  const auto [experiment, result] = published();
+  const std::string text = latex(report_markdown(experiment, result) + "\n### Deeper\n\n#### Deepest\n");
+  CHECK(text.find("section") == std::string::npos);
+  CHECK(text.find("% Sampling efficiency\n") != std::string::npos);
+  CHECK(text.find("\\textbf{SE, own path}") != std::string::npos);
+  CHECK(text.find("\\textbf{Deeper}") != std::string::npos);
+}
+
+TEST_CASE("solved runs, checks and times have their intervals in the tables", "[report]") {
+  const auto [experiment, result] = published();
+  const RunsSummary summary = summarise(select_runs(result, "simple_passage", "rrt"));
+  std::vector<std::string> cells;
+  bool others = false;
+  for (const std::string& line : lines_of(report_markdown(experiment, result))) {
+    if (line.starts_with("## ")) others = line.starts_with("## Other measures, simple");
+    if (!others || !line.starts_with("| rrt |")) continue;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell);
+  }
+  REQUIRE(cells.size() > 5);
+  CHECK(cells[2] == " 14/15<br>" + wilson_text(summary.success) + " % ");
+  const Interval& checks = summary.validity_checks;
+  REQUIRE(std::isfinite(checks.lo));
+  CHECK(cells[3] ==
+        " " + count_text(checks.value) + "<br>[" + count_text(checks.lo) + ", " + count_text(checks.hi) + "] ");
+  CHECK(cells[4].find("<br>[") != std::string::npos);
 }
 
 TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") {

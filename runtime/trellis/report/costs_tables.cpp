@@ -261,9 +261,15 @@ class Tables {
         continue;
       }
       const CostRatio& costs = (*any).*quantity;
-      const double median = costs.reference_median.value;
-      const std::string text = quantity == &CostComparison::checks ? checks_text(median) : milliseconds(median) + " ms";
-      cells.push_back(text + unsolved(costs.reference_solved, costs.pairs));
+      const auto text = [&](double x) {
+        return quantity == &CostComparison::checks ? checks_text(x) : milliseconds(x);
+      };
+      const Interval& median = costs.reference_median;
+      const std::string unit = quantity == &CostComparison::checks ? "" : " ms";
+      const std::string range = std::isnan(median.lo) || std::isnan(median.hi)
+                                    ? ""
+                                    : fmt::format(" [{}, {}]", text(median.lo), text(median.hi));
+      cells.push_back(text(median.value) + range + unit + unsolved(costs.reference_solved, costs.pairs));
     }
     out_.row(cells);
     for (const std::size_t s : strategies_of(beside_baseline_)) {

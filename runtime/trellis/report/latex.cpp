@@ -105,7 +105,11 @@ std::vector<std::string> cells_of(const std::string& line) {
 bool has_lines(const std::string& cell) { return cell.find("<br>") != std::string::npos; }
 
 std::string cell_text(const std::string& cell) {
-  const std::string text = inline_text(cell, " \\\\ ");
+  std::string text = inline_text(cell, " \\\\ ");
+  // After a line break LaTeX takes "[" for the break's own option.
+  const std::string option = "\\\\ [";
+  for (auto at = text.find(option); at != std::string::npos; at = text.find(option)) text.insert(at + 3, "{}");
+  if (text.starts_with('[')) text.insert(0, "{}");
   return has_lines(cell) ? "\\begin{tabular}[t]{@{}r@{}}" + text + "\\end{tabular}" : text;
 }
 
@@ -149,11 +153,15 @@ std::string latex(const std::string& markdown) {
     end_table();
     const std::size_t level = line.find_first_not_of('#');
     if (line.empty() || level == std::string::npos) continue;
-    constexpr std::array<const char*, 3> sections = {"section", "subsection", "subsubsection"};
-    if (level > 0 && level <= sections.size() && line[level] == ' ') {
-      out += fmt::format("\\{}*{{{}}}\n\n", sections.at(level - 1), inline_text(line.substr(level + 1), " "));
+    constexpr std::size_t deepest = 3;
+    if (level == 1 && line[level] == ' ') {
+      // The sections, and the title, are those of the document that reads the file.
+      out += "% " + line.substr(level + 1) + "\n\n";
+    } else if (level > 1 && level <= deepest && line[level] == ' ') {
+      out += fmt::format("\\par\\bigskip\\noindent\\textbf{{{}}}\\par\\nobreak\\smallskip\n\n",
+                         inline_text(line.substr(level + 1), " "));
     } else {
-      out += inline_text(line, "\\\\") + "\n\n";
+      out += "\\noindent " + inline_text(line, "\\\\") + "\n\n";
     }
   }
   end_table();

@@ -141,6 +141,13 @@ std::string cell(const Bounded& figure) {
   return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.estimate);
 }
 
+/// "20400<br>[18000, 24000]", a median with its interval, in the unit of `text`; without an interval the median alone.
+template <class Text>
+std::string median_cell(const Interval& median, const Text& text) {
+  if (std::isnan(median.lo) || std::isnan(median.hi)) return text(median.value);
+  return fmt::format("{}<br>[{}, {}]", text(median.value), text(median.lo), text(median.hi));
+}
+
 /// Returns the lower bound of an estimator's value for a run: from the mass in the target, or 0 where it is no
 /// estimate.
 double least_by(const Efficiency& efficiency, const std::string& estimator) {
@@ -353,7 +360,10 @@ class Tables {
 
   void others(const Problem& problem) {
     page_.heading(fmt::format("Other measures, {}", escaped(problem.name)));
-    page_.paragraph("On other seeds' paths (own path where there are none); upper value tree, lower value expansion.");
+    page_.paragraph(
+        "On other seeds' paths (own path where there are none); upper value tree, lower value expansion. Solved: with "
+        "Wilson's 95 % interval; validity checks and time: medians over all runs, an unsolved one infinite, with 99 % "
+        "intervals by order statistics.");
     std::vector<std::string> header = {"strategy", "solved", "validity checks", "time, ms"};
     for (const Quantity& quantity : quantities()) header.emplace_back(quantity.title);
     page_.header(header);
@@ -363,9 +373,12 @@ class Tables {
       const bool crossed = std::any_of(chosen.begin(), chosen.end(), [](const RunResult* run) {
         return !run->levels.empty() && run->levels.front().root_cross;
       });
-      std::vector<std::string> cells = {escaped(name), fmt::format("{}/{}", summary.solved, summary.runs),
-                                        summary.runs == 0 ? "NA" : count_text(summary.validity_checks.value),
-                                        summary.runs == 0 ? "NA" : milliseconds_text(summary.seconds.value, 2)};
+      const bool none = summary.runs == 0;
+      std::vector<std::string> cells = {
+          escaped(name),
+          none ? "NA" : fmt::format("{}/{}<br>{} %", summary.solved, summary.runs, wilson_text(summary.success)),
+          none ? "NA" : median_cell(summary.validity_checks, count_text),
+          none ? "NA" : median_cell(summary.seconds, [](double x) { return milliseconds_text(x, 2); })};
       for (const Quantity& quantity : quantities()) {
         std::string both;
         for (const NamedRole& role : roles()) {
