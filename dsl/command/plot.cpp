@@ -33,10 +33,10 @@ namespace {
 constexpr std::size_t largest = std::size_t{4} << 30U;
 
 /// In the order of figure_names().
-enum class Kind : std::uint8_t { success, length, ratios, waterfall, profile, strip, plane, waterfalls };
+enum class Kind : std::uint8_t { success, length, ratios, sweep, waterfall, profile, strip, plane, waterfalls };
 
 const std::vector<std::string>& figure_names() {
-  static const std::vector<std::string> names = {"success", "length", "ratios", "waterfall",
+  static const std::vector<std::string> names = {"success", "length", "ratios", "sweep",     "waterfall",
                                                  "profile", "strip",  "plane",  "waterfalls"};
   return names;
 }
@@ -88,6 +88,7 @@ class Plotter {
     if (options_.draws(Kind::ratios) && data.problems.size() > 1) {
       draw(ratio_figure(data, baseline, style_), std::filesystem::path(options_.out) / "ratios");
     }
+    if (options_.draws(Kind::sweep)) sweeps(data, baseline);
   }
 
   /// Draws the figures of the measure.
@@ -112,6 +113,14 @@ class Plotter {
   std::filesystem::path folder(const std::string& problem) {
     return std::filesystem::path(options_.out) / directories_(problem);
   }
+  void sweeps(const CostData& data, const std::string& baseline) {
+    const auto draw_all = [&](const CostData& of, const std::filesystem::path& place) {
+      const auto figures = sweep_figures(of, baseline, style_);
+      for (std::size_t i = 0; i < figures.size(); ++i) draw(std::optional(figures[i]), place / sweep_name(i));
+    };
+    for (std::size_t p = 0; p < data.problems.size(); ++p) draw_all(data.on(p), folder(data.problems[p].name));
+    if (data.problems.size() > 1) draw_all(data, options_.out);
+  }
   template <class F>
   void draw(const std::optional<F>& figure, const std::filesystem::path& stem) {
     if (!figure) return;
@@ -134,6 +143,7 @@ std::string nothing_text(const Options& options) {
     case Kind::success:
     case Kind::ratios: return name + ": the files have no run with a path, so there is nothing to draw";
     case Kind::length: return name + ": no strategy of the files improves its path, so there is nothing to draw";
+    case Kind::sweep: return name + ": no three strategies of the files differ in one number of one option alone";
     case Kind::plane: return name + ": the files have no scored strategy with a guide, so there is nothing to draw";
     case Kind::waterfalls:
       return name + ": no problem of the files has two scored strategies with guides, so there is nothing to draw";

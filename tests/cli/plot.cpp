@@ -62,6 +62,30 @@ TEST_CASE("plot draws one figure, and says what it cannot draw") {
   CHECK(other.err.find("there is no strategy 'rtr'") != std::string::npos);
 }
 
+TEST_CASE("plot draws the panels and curves that were chosen, and the sweep of a number") {
+  const Place place;
+  place.script("it.lua", R"(
+local s = { rrt = rrt { step = 0.5, proposals = 20000 } }
+for _, f in ipairs { 0.3, 0.5, 0.7 } do s["shrink " .. f] = shrink(f) >> rrt { step = 0.5, proposals = 20000 } end
+return experiment { problems = scenes.cup(), strategies = s, seeds = 4, measure = false, baseline = "rrt" }
+)");
+  REQUIRE(place.run({"run", "it.lua", "--quiet", "--json", "it.json", "--figures", "drawn"}).status == 0);
+  const auto plot = [&](const std::string& folder, std::vector<std::string> options) {
+    std::vector<std::string> words = {"plot", "it.json", "--out", folder};
+    words.insert(words.end(), options.begin(), options.end());
+    REQUIRE(place.run(words).status == 0);
+  };
+  plot("all", {});
+  CHECK(content(place / "all/cup/sweep.svg") == content(place / "drawn/cup/sweep.svg"));
+  CHECK_FALSE(std::filesystem::exists(place / "all/cup/ratios.svg"));
+  plot("checks", {"--figure", "success", "--panels", "checks"});
+  plot("one", {"--figure", "success", "--panels", "checks", "--curves", "9"});
+  CHECK(content(place / "checks/cup/success.svg") != content(place / "all/cup/success.svg"));
+  CHECK(content(place / "one/cup/success.svg") == content(place / "checks/cup/success.svg"));  // four curves at most
+  plot("rows", {"--figure", "success", "--panels", "checks", "--curves", "1"});
+  CHECK(content(place / "rows/cup/success.svg") != content(place / "checks/cup/success.svg"));
+}
+
 TEST_CASE("plot draws the figures of the measure as the run did", "[slow]") {
   const Place place;
   place.script("it.lua", R"(

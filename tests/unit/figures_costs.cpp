@@ -12,6 +12,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/report/costs.hpp>
+#include <trellis/report/parameter_sweeps.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "report_folder.hpp"
@@ -349,6 +350,98 @@ TEST_CASE("all panels of a quantity have one axis, and panels and curves can be 
   REQUIRE(ratios);
   CHECK(ratios->panels == std::vector<std::string>{"CPU time"});
   CHECK(ratios->rows[0].panels.size() == 1);
+}
+
+namespace {
+
+/// Strategies that differ in one number, one of which never finds a path, beside one without a guide.
+CostData swept() {
+  CostData data;
+  data.baseline = "connect";
+  data.problems = {{"cup", "", false}, {"trap", "", false}};
+  data.strategies = {{"connect", "rrt_connect()", false, R"({"planner": "rrt_connect", "options": {"step": 0.5}})"}};
+  const std::vector<std::pair<double, double>> factors = {{0.9, 4.0}, {0.5, 0.5}, {0.25, 1.0}, {0.1, -1.0}};
+  for (const auto& [scale, factor] : factors) {
+    data.strategies.push_back(
+        {fmt::format("s{}", scale), fmt::format("shrink({}) >> rrt_connect()", scale), false,
+         fmt::format(R"({{"planner": "rrt_connect", "options": {{"step": 0.5}}, )"
+                     R"("guided_by": {{"guide": "shrink", "options": {{"scale": {}, "paths": 1}}}}}})",
+                     scale)});
+  }
+  for (const std::size_t problem : {0U, 1U}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const double cost = 100.0 + static_cast<double>(seed);
+      data.runs.push_back({problem, 0, seed, true, cost, 1e-3 * cost});
+      for (std::size_t i = 0; i < factors.size(); ++i) {
+        const double factor = factors[i].second;
+        data.runs.push_back(
+            {problem, i + 1, seed, factor > 0.0, std::abs(factor) * cost, 1e-3 * std::abs(factor) * cost});
+      }
+    }
+  }
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("strategies that differ in one number of one option are a sweep", "[report][costs]") {
+  CostData data = swept();
+  const auto sweeps = parameter_sweeps(data);
+  REQUIRE(sweeps.size() == 1);
+  CHECK(sweeps[0].option == "scale of shrink");
+  REQUIRE(sweeps[0].curves.size() == 1);
+  CHECK(sweeps[0].curves[0].values == std::vector<double>{0.1, 0.25, 0.5, 0.9});
+  CHECK(sweeps[0].curves[0].strategies == std::vector<std::size_t>{4, 3, 2, 1});
+  CHECK(sweeps[0].curves[0].name == "shrink(scale) >> rrt_connect()");
+  CHECK(sweeps[0].has(1));
+  CHECK_FALSE(sweeps[0].has(0));
+  // Where another option differs too, a strategy is another curve; two values are no sweep.
+  for (const std::size_t s : {1U, 2U})
+    data.strategies[s].spec.replace(data.strategies[s].spec.find("paths\": 1"), 9, "paths\": 2");
+  CHECK(parameter_sweeps(data).empty());
+  CHECK(parameter_sweeps(two_worlds()).empty());
+}
+
+TEST_CASE("a sweep is drawn over its number with intervals, and is not in the figure of ratios", "[report][costs]") {
+  const CostData data = swept();
+  const auto figures = sweep_figures(data.on(0), "connect");
+  REQUIRE(figures.size() == 1);
+  const draw::Figure& figure = figures[0];
+  REQUIRE(figure.panels.size() == 3);
+  CHECK(figure.panels[0].x.label == "scale of shrink");
+  CHECK(figure.panels[0].x.categories.empty());
+  const auto points = [](const draw::Panel& panel) {
+    const auto found = std::find_if(panel.series.begin(), panel.series.end(),
+                                    [](const auto& s) { return s.kind == draw::Series::Kind::points; });
+    REQUIRE(found != panel.series.end());
+    return *found;
+  };
+  for (const std::size_t quantity : {0U, 1U}) {
+    const draw::Series costs = points(figure.panels[quantity]);
+    CHECK(costs.x == std::vector<double>{0.1, 0.25, 0.5, 0.9});
+    CHECK(costs.y[0] == infinity);
+    CHECK(costs.y[1] == Approx(1.0));
+    CHECK(costs.y[2] == Approx(0.5));
+    CHECK(costs.lo[2] == Approx(0.5));
+    CHECK(costs.hi[3] == Approx(4.0));
+    REQUIRE(figure.panels[quantity].references.size() == 1);
+    CHECK(figure.panels[quantity].references[0].y == 1.0);
+  }
+  const draw::Series solved = points(figure.panels[2]);
+  CHECK(solved.y == std::vector<double>{0.0, 100.0, 100.0, 100.0});
+  CHECK(solved.hi[0] == Approx(100.0 * wilson_interval(0, 10).hi));
+  CHECK_FALSE(ratio_figure(data, "connect"));
+
+  // Without a baseline the costs themselves; over several problems a curve for each.
+  const auto plain = sweep_figures(data, "", {.seconds = false});
+  REQUIRE(plain.size() == 1);
+  REQUIRE(plain[0].panels.size() == 2);
+  CHECK(plain[0].panels[0].series.size() == 4);
+  CHECK(points(plain[0].panels[0]).name == "cup");
+  CHECK(points(plain[0].panels[0]).y[2] == Approx(0.5 * 105.5));
+  const fixture::Folder folder;
+  write_figure(plain[0], {}, (folder.path() / "sweep").string());
+  fixture::check_pictures(folder);
 }
 
 TEST_CASE("a figure of ratios says of how many pairs its medians are", "[report][costs]") {

@@ -11,8 +11,10 @@
 
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/pictures.hpp>
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/parameter_sweeps.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
@@ -341,7 +343,12 @@ std::optional<draw::Figure> length_figure(const CostData& data, const std::strin
 std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline,
                                               const FigureStyle& style) {
   if (baseline.empty() || data.strategies.size() < 2) return std::nullopt;
-  const auto comparisons = compare_costs(data, CostReference::baseline, baseline);
+  auto comparisons = compare_costs(data, CostReference::baseline, baseline);
+  bool swept = false;
+  for (const ParameterSweep& sweep : parameter_sweeps(data)) {
+    const auto of_sweep = [&](const CostComparison& c) { return sweep.has(c.strategy); };
+    swept = std::erase_if(comparisons, of_sweep) > 0 || swept;
+  }
   if (comparisons.empty()) return std::nullopt;
   constexpr double default_width = 504.0;
   draw::RatioFigure figure{
@@ -351,8 +358,168 @@ std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::s
       .caption = ratios_caption(data, comparisons),
       .lines = {{1.0, "as " + baseline, draw::Dash::solid}},
       .width = default_width};
+  if (swept) figure.caption += " Strategies that differ in one number are in the figure of its sweep.";
   fill(data, comparisons, style, figure);
   return figure;
+}
+
+namespace {
+
+/// One quantity of all points of a sweep, in a panel.
+struct SweepPanel {
+  draw::Panel panel;
+  std::function<Interval(std::size_t problem, std::size_t strategy)> value;
+};
+
+/// Returns the median cost of a strategy's runs; an unsolved run costs infinitely much.
+Interval median_of(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind) {
+  std::vector<CensoredCost> costs;
+  for (const CostData::Run& run : data.runs) {
+    if (run.problem != problem || run.strategy != strategy) continue;
+    const bool checks = kind == CostKind::checks;
+    if (checks || !std::isnan(run.seconds)) {
+      costs.push_back({checks ? run.checks - run.improvement_checks : run.seconds, run.solved});
+    }
+  }
+  Interval median = costs.empty() ? Interval{} : median_cost(costs);
+  if (costs.size() < pairs_of_interval) median.lo = median.hi = nan;
+  return median;
+}
+
+Interval success_of(const CostData& data, std::size_t problem, std::size_t strategy) {
+  std::size_t runs = 0;
+  std::size_t solved = 0;
+  for (const CostData::Run& run : data.runs) {
+    if (run.problem != problem || run.strategy != strategy) continue;
+    ++runs;
+    if (run.solved) ++solved;
+  }
+  Interval share = wilson_interval(solved, runs);
+  for (double* x : {&share.value, &share.lo, &share.hi}) *x *= 100.0;
+  return share;
+}
+
+/// Adds a curve and its whiskers.
+/// \param aside  where it stands beside its values, so that whiskers of several curves do not cover each other: a share
+/// of their range
+void add_curve(const ParameterCurve& curve, std::size_t problem, const std::string& name, const draw::Colour& colour,
+               draw::Marker marker, double aside, SweepPanel& to) {
+  draw::Series points{.kind = draw::Series::Kind::points, .name = name, .colour = colour, .marker = marker};
+  const double least = curve.values.front();
+  const double most = curve.values.back();
+  const bool log = to.panel.x.scale == draw::AxisScale::log;
+  for (std::size_t i = 0; i < curve.values.size(); ++i) {
+    const Interval at = to.value(problem, curve.strategies[i]);
+    const double x = curve.values[i];
+    points.x.push_back(log ? x * std::pow(most / least, aside) : x + aside * (most - least));
+    points.y.push_back(at.value);
+    points.lo.push_back(at.lo);
+    points.hi.push_back(at.hi);
+  }
+  draw::Series line{
+      .kind = draw::Series::Kind::line, .x = points.x, .y = points.y, .colour = colour.faded(0.7), .width = 1.0};
+  to.panel.series.push_back(std::move(line));
+  to.panel.series.push_back(std::move(points));
+}
+
+/// The panels of a sweep, without curves.
+std::vector<SweepPanel> sweep_panels(const CostData& data, const std::string& baseline, const FigureStyle& style) {
+  std::vector<SweepPanel> panels;
+  std::vector<CostComparison> comparisons;
+  if (!baseline.empty()) comparisons = compare_costs(data, CostReference::baseline, baseline);
+  const std::size_t reference = index_of(data, baseline);
+  for (const Quantity& quantity : quantities) {
+    if (!(style.*quantity.chosen)) continue;
+    SweepPanel one;
+    one.panel.y.scale = draw::AxisScale::log;
+    if (baseline.empty()) {
+      one.panel.y.label = quantity.label;
+      one.value = [&data, quantity](std::size_t p, std::size_t s) {
+        Interval median = median_of(data, p, s, quantity.kind);
+        for (double* x : {&median.value, &median.lo, &median.hi}) *x /= quantity.unit;
+        return median;
+      };
+    } else {
+      const bool checks = quantity.kind == CostKind::checks;
+      one.panel.y.label = fmt::format("{} {}", checks ? "checks / those of" : "CPU time / that of", baseline);
+      one.panel.references = {{1.0, "as " + baseline}};
+      one.value = [comparisons, checks, reference](std::size_t p, std::size_t s) {
+        if (s == reference) return Interval{.value = 1.0};
+        for (const CostComparison& c : comparisons) {
+          if (c.problem != p || c.strategy != s) continue;
+          const CostRatio& ratio = checks ? c.checks : c.seconds;
+          Interval at = ratio.ratio;
+          if (ratio.pairs < pairs_of_interval) at.lo = at.hi = nan;
+          return at;
+        }
+        return Interval{.value = nan};
+      };
+    }
+    panels.push_back(std::move(one));
+  }
+  SweepPanel success;
+  success.panel.y = {.label = "runs with a path (%)", .lo = -3.0, .hi = 103.0};
+  if (!baseline.empty() && data.problems.size() == 1) {
+    success.panel.references = {{success_of(data, 0, reference).value, baseline}};
+  }
+  success.value = [&data](std::size_t p, std::size_t s) { return success_of(data, p, s); };
+  panels.push_back(std::move(success));
+  return panels;
+}
+
+}  // namespace
+
+std::vector<draw::Figure> sweep_figures(const CostData& data, const std::string& baseline, const FigureStyle& style) {
+  std::vector<draw::Figure> figures;
+  for (const ParameterSweep& sweep : parameter_sweeps(data)) {
+    const ParameterCurve& first = sweep.curves.front();
+    const double least = first.values.front();
+    draw::Figure figure;
+    std::vector<SweepPanel> panels = sweep_panels(data, baseline, style);
+    Runs runs;
+    const bool one = data.problems.size() == 1;
+    constexpr double decade = 10.0;
+    constexpr double apart = 0.015;
+    for (SweepPanel& panel : panels) {
+      panel.panel.x.label = sweep.option;
+      if (least > 0.0 && first.values.back() >= decade * least) panel.panel.x.scale = draw::AxisScale::log;
+    }
+    std::size_t place = 0;
+    const std::size_t count = sweep.curves.size() * data.problems.size();
+    for (const ParameterCurve& curve : sweep.curves) {
+      for (std::size_t p = 0; p < data.problems.size(); ++p) {
+        for (const std::size_t s : curve.strategies) {
+          runs.add(static_cast<std::size_t>(std::count_if(data.runs.begin(), data.runs.end(), [&](const auto& run) {
+            return run.problem == p && run.strategy == s;
+          })));
+        }
+        const std::string name = one                       ? curve.name
+                                 : sweep.curves.size() > 1 ? data.problems[p].name + ": " + curve.name
+                                                           : data.problems[p].name;
+        const auto marker = static_cast<draw::Marker>(place / draw::palette::series.size() % 4);
+        const double aside = apart * (static_cast<double>(place) - 0.5 * static_cast<double>(count - 1));
+        for (SweepPanel& panel : panels) add_curve(curve, p, name, draw::palette::nth(place), marker, aside, panel);
+        ++place;
+      }
+    }
+    for (SweepPanel& panel : panels) figure.panels.push_back(std::move(panel.panel));
+    figure.title = fmt::format("{}{} over {}", one ? data.problems.front().name + ": " : "",
+                               baseline.empty() ? "costs" : "costs beside " + baseline, sweep.option);
+    figure.caption = fmt::format(
+        "Strategies that differ in this number alone{}; {}. Costs: medians{}, a run without a path infinite; whiskers: "
+        "99 % interval by order statistics. Runs with a path: whiskers: 95 % Wilson interval. An arrow: without a "
+        "bound, or beyond the axis.",
+        one || sweep.curves.size() > 1 ? "" : ": " + first.name, runs.text(),
+        baseline.empty() ? "" : " of the ratios on the same seed");
+    if (!one) figure.title.front() = 'C';
+    figure.columns = figure.panels.size();
+    constexpr double column = 210.0;
+    figure.width = column * static_cast<double>(figure.columns);
+    figure.panel_height = 150.0;
+    figure.legend = draw::Legend::above;
+    figures.push_back(std::move(figure));
+  }
+  return figures;
 }
 
 namespace {
@@ -373,6 +540,21 @@ void write_curves(const CostData& data, const std::string& baseline, const std::
 
 }  // namespace
 
+namespace {
+
+void write_sweeps(const CostData& data, const std::string& baseline, const std::filesystem::path& folder,
+                  const FigureStyle& style) {
+  const auto figures = sweep_figures(data, baseline, style);
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    make_directory(folder.string());
+    write_figure(figures[i], style, (folder / sweep_name(i)).string());
+  }
+}
+
+}  // namespace
+
+std::string sweep_name(std::size_t i) { return i == 0 ? "sweep" : fmt::format("sweep-{}", i + 1); }
+
 void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
                               const FigureStyle& style) {
   const CostData data = cost_data(experiment, result);
@@ -381,12 +563,15 @@ void write_comparison_figures(const Experiment& experiment, const ExperimentResu
   Directories problems;
   for (std::size_t p = 0; p < data.problems.size(); ++p) {
     const std::filesystem::path place = root / problems(data.problems[p].name);
-    const auto ratios = ratio_figure(data.on(p), data.baseline, style);
+    const CostData here = data.on(p);
+    write_sweeps(here, data.baseline, place, style);
+    const auto ratios = ratio_figure(here, data.baseline, style);
     if (!ratios) continue;
     make_directory(place.string());
     write_figure(*ratios, style, (place / "ratios").string());
   }
   if (data.problems.size() < 2) return;
+  write_sweeps(data, data.baseline, root, style);
   if (const auto ratios = ratio_figure(data, data.baseline, style))
     write_figure(*ratios, style, (root / "ratios").string());
 }

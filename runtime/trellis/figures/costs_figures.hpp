@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <trellis/figures/pictures.hpp>
 #include <trellis/report/costs.hpp>
@@ -23,16 +24,25 @@ std::optional<draw::Figure> success_figure(const CostData& data, const std::stri
 std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem,
                                           const FigureStyle& style = {});
 /// Draws the strategies' costs relative to the baseline's, paired by seed, a dot with its interval for each problem.
-/// None for a single strategy, and without a baseline.
+/// None for a single strategy, and without a baseline. Strategies of a parameter sweep are in sweep_figures() instead.
 std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline,
                                               const FigureStyle& style = {});
+
+/// Draws a figure for each option that strategies differ in alone (parameter_sweeps()): over its value the costs
+/// relative to the baseline's, paired by seed, without a baseline the costs, and the share of solved runs; a curve for
+/// each problem, with intervals.
+std::vector<draw::Figure> sweep_figures(const CostData& data, const std::string& baseline,
+                                        const FigureStyle& style = {});
+
+/// Returns the name of the file of the sweep with this index: "sweep", "sweep-2", ...
+std::string sweep_name(std::size_t i);
 
 /// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy; and for
 /// each problem FOLDER/PROBLEM/success and length.
 /// \throws Error where it cannot write a file.
 void write_cost_figures(const CostData& data, const std::string& baseline, const std::string& folder,
                         const FigureStyle& style = {});
-/// Draws success and length of each problem, and ratios of each problem and, with several problems, of all.
+/// Draws success and length of each problem, and ratios and sweeps of each problem and, with several problems, of all.
 void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
                               const FigureStyle& style = {});
 

@@ -496,7 +496,12 @@ std::string comparison_scripts(const HtmlContent& content) {
     };
     add(success_figure(data, data.baseline, p), "success");
     add(length_figure(data, data.baseline, p), "length");
-    add(ratio_figure(data.on(p), data.baseline), "ratios");
+    const CostData here = data.on(p);
+    add(ratio_figure(here, data.baseline), "ratios");
+    const auto sweeps = sweep_figures(here, data.baseline);
+    for (std::size_t i = 0; i < sweeps.size(); ++i) {
+      drawn.push_back(draw::plot(sweeps[i]).markup(sweep_name(i)));
+    }
     std::vector<NamedSummary> named;
     for (std::size_t s = 0; s < content.strategies.size(); ++s) {
       const HtmlStrategy& strategy = content.strategies[s];

@@ -164,7 +164,9 @@ void CostData::add(const std::string& document, const std::string& file) {
         fail(fmt::format("'{}' is {} here and {} in another file; --by-name compares strategies by their names alone",
                          name, text, strategies[*known].text));
       }
-      if (!known) strategies.push_back({name, text, ablations.contains(name)});
+      if (known) continue;
+      const auto spec = entry.find("spec");
+      strategies.push_back({name, text, ablations.contains(name), spec != entry.end() ? spec->dump() : ""});
     }
     if (baseline.empty()) baseline = string_or_empty(experiment, "baseline");
     std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;
@@ -245,7 +247,7 @@ CostData cost_data(const Experiment& experiment, const ExperimentResult& result)
   for (const auto& [name, spec] : experiment.strategies) {
     const auto same = [&, &strategy = name](const AblationLink& link) { return link.strategy == strategy; };
     if (std::none_of(experiment.ablations.begin(), experiment.ablations.end(), same)) {
-      data.strategies.push_back({name, spec.text(), false});
+      data.strategies.push_back({name, spec.text(), false, spec.json()});
     }
   }
   for (const RunResult& run : result.runs) {

@@ -27,6 +27,7 @@ struct CostData {
     std::string name;
     std::string text;  ///< in the syntax of a script
     bool ablation = false;
+    std::string spec = {};  ///< with every option, as JSON; "" where the document has none
   };
   struct Run {
     std::size_t problem = 0;   ///< index into `problems`
