@@ -15,6 +15,8 @@
 #include <dsl/command/records.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/report/records.hpp>
+#include <trellis/report/report.hpp>
 
 namespace trellis::command {
 
@@ -27,6 +29,7 @@ struct Options {
   std::string out;                   ///< "" if not given
   std::string sqlite;                ///< a file, "" if not given
   std::string pdt;                   ///< a folder, "" if not given
+  std::string csv;                   ///< a file, "" if not given
 };
 
 /// Adds a folder's records. Records of one run must be equal, except for times; the first one remains.
@@ -73,9 +76,10 @@ void write_folder(const Options& options, const Manifest& manifest, const Record
 }
 
 int merge(const Options& options) {
-  if (options.out.empty() && options.sqlite.empty() && options.pdt.empty()) {
-    throw Error("merge: name an output: --out FOLDER, --sqlite FILE or --pdt FOLDER");
+  if (options.out.empty() && options.sqlite.empty() && options.pdt.empty() && options.csv.empty()) {
+    throw Error("merge: name an output: --out FOLDER, --csv FILE, --sqlite FILE or --pdt FOLDER");
   }
+  if (!options.csv.empty()) require_writable_file(options.csv);
   if (!options.sqlite.empty()) {
     require_writable_file(options.sqlite);
     require_replaceable_database(options.sqlite);
@@ -96,6 +100,12 @@ int merge(const Options& options) {
   if (!options.out.empty()) {
     write_folder(options, manifest, records);
     written.push_back(fmt::format("'{}'", options.out));
+  }
+  if (!options.csv.empty()) {
+    std::vector<std::string> lines;
+    for (const RunKey& key : keys_of(manifest.experiment)) lines.push_back(records.at(key));
+    write_file(options.csv, runs_csv(lines));
+    written.push_back(fmt::format("'{}'", options.csv));
   }
   if (!options.sqlite.empty()) {
     write_database(options.sqlite, manifest, records);
@@ -121,6 +131,7 @@ void add_merge(CommandLine& line) {
       [options] { return merge(*options); });
   verb.arguments("FOLDER", "FOLDER", options->folders, "folders that trellis sweep or trellis run --out wrote");
   verb.text("--out", "FOLDER", options->out, "the folder of the joined sweep");
+  verb.text("--csv", "FILE", options->csv, "a table of the runs, a row for each");
   verb.text("--sqlite", "FILE", options->sqlite, "one SQLite file with all runs, also for Planner Arena");
   verb.text("--pdt", "FOLDER", options->pdt, "a CSV file for each problem, for Planner Developer Tools (PDT)");
 }

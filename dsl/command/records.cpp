@@ -239,6 +239,7 @@ void write_results(const std::string& folder, const Manifest& manifest, const Re
   }
   write_file(in(folder, "runs.jsonl"), text);
   write_file(in(folder, "results.json"), runs_document(manifest.script, manifest.experiment, lines));
+  write_file(in(folder, "runs.csv"), runs_csv(lines));
 }
 
 void require_same(const std::string& folder, const Manifest& manifest) {

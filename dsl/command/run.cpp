@@ -39,6 +39,7 @@
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 
@@ -61,6 +62,7 @@ struct Options {
   std::optional<std::uint64_t> jobs;
   std::optional<std::uint64_t> cross;
   std::string json;                    ///< a file, "" if not given
+  std::string csv;                     ///< a file, "" if not given
   std::string html;                    ///< a file, "" if not given
   std::string samples;                 ///< a folder, "" if not given
   std::string figures;                 ///< a folder, "" if not given
@@ -149,6 +151,7 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   const std::filesystem::path folder(options.out);
   write_tables(options.style, options.out, report_markdown(experiment, result));
   write_file((folder / "table.csv").string(), report_csv(experiment, result));
+  write_file((folder / "runs.csv").string(), runs_csv(result));
   write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
   write_html(experiment, result, (folder / "report.html").string(), {.script = options.script, .progress = {}});
   write_comparison_figures(experiment, result, (folder / "figures").string(), style);
@@ -310,7 +313,7 @@ void check_combination(const Options& options) {
 
 /// Whether there is an output beside that of --out.
 bool has_other_outputs(const Options& options) {
-  const std::array outputs = {&options.json,    &options.html, &options.samples,
+  const std::array outputs = {&options.json,    &options.csv,  &options.html, &options.samples,
                               &options.figures, &options.gltf, &options.learn};
   return std::any_of(outputs.begin(), outputs.end(), [](const std::string* output) { return !output->empty(); });
 }
@@ -374,6 +377,7 @@ int run(const Options& options) {
 
   // A run may take hours: check first that its results can be stored.
   if (!options.json.empty()) require_writable_file(options.json);
+  if (!options.csv.empty()) require_writable_file(options.csv);
   if (!options.html.empty()) require_writable_file(options.html);
   OutputFolder samples(options.samples);
   OutputFolder figures(options.figures);
@@ -411,6 +415,7 @@ int run(const Options& options) {
   if (options.quiet) warn_of_guides(experiment, result);
   writers.attempt(!options.json.empty(),
                   [&] { write_file(options.json, report_json(experiment, result, options.script)); });
+  writers.attempt(!options.csv.empty(), [&] { write_file(options.csv, runs_csv(result)); });
   writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, options); });
   writers.attempt(!options.samples.empty(), [&] { write_samples(result, options.samples); });
   writers.attempt(!options.figures.empty(), [&] {
@@ -472,6 +477,7 @@ void add_run(CommandLine& line) {
   verb.number("--ablation", "TIMES", 0.0, options->ablation,
               "the work for the verdicts on levels, as a multiple of the experiment's (default 1); 0: none");
   verb.text("--json", "FILE", options->json, "write all figures to a file");
+  verb.text("--csv", "FILE", options->csv, "write a table of the runs to a file, a row for each");
   verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");
   verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");
   verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");

@@ -628,8 +628,8 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   std::vector<std::string> left;
   for (const auto& entry : fs::directory_iterator(place / "kept")) left.push_back(entry.path().filename().string());
   std::sort(left.begin(), left.end());
-  CHECK(left == std::vector<std::string>{"figures", "manifest.json", "report.html", "results.json", "runs.jsonl",
-                                         "scores.jsonl", "table.csv", "table.md"});
+  CHECK(left == std::vector<std::string>{"figures", "manifest.json", "report.html", "results.json", "runs.csv",
+                                         "runs.jsonl", "scores.jsonl", "table.csv", "table.md"});
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 

@@ -247,6 +247,9 @@ TEST_CASE("a merge replaces its own database only, and has the scores of a run",
     const Json run = Json::parse(it.text("scored/results.json")).at("runs").at(0);
     CHECK(gain.number(0) == run.at("levels").at(0).at("efficiency").at("tree").at("gain").get<double>());
   }
+  REQUIRE(it.place.run({"merge", "scored", "--csv", "all.csv"}).status == 0);
+  CHECK(it.text("all.csv") == it.text("scored/runs.csv"));
+  CHECK_THAT(it.text("all.csv"), Catch::Matchers::StartsWith("problem,strategy,seed,status,solved,validity_checks,"));
   const trellis::Database other(it.place / "other.db", trellis::Database::Mode::write, {"database", "database"});
   other.run("CREATE TABLE mine (x)");
   const Outcome refused = it.place.run({"merge", "scored", "--sqlite", "other.db"});
@@ -259,5 +262,5 @@ TEST_CASE("a merge replaces its own database only, and has the scores of a run",
         "trellis: text.db: is no database of trellis merge; it is left as it is\n");
   CHECK(it.text("text.db") == "some text");
   CHECK(it.place.run({"merge", "scored"}).err ==
-        "trellis: merge: name an output: --out FOLDER, --sqlite FILE or --pdt FOLDER\n");
+        "trellis: merge: name an output: --out FOLDER, --csv FILE, --sqlite FILE or --pdt FOLDER\n");
 }

@@ -4,12 +4,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/report/latex.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/words.hpp>
@@ -233,6 +235,39 @@ TEST_CASE("solved runs, checks and times have their intervals in the tables", "[
   CHECK(cells[3] ==
         " " + count_text(checks.value) + "<br>[" + count_text(checks.lo) + ", " + count_text(checks.hi) + "] ");
   CHECK(cells[4].find("<br>[") != std::string::npos);
+}
+
+TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  result.runs.front().problem = "a, \"b\"";
+  const auto lines = lines_of(runs_csv(result));
+  REQUIRE(lines.size() == result.runs.size() + 1);
+  std::vector<std::string> names;
+  std::istringstream header(lines.front());
+  for (std::string name; std::getline(header, name, ',');) names.push_back(name);
+  CHECK(lines[1].starts_with("\"a, \"\"b\"\"\","));
+  for (std::size_t i = 1; i < result.runs.size(); ++i) {
+    const RunResult& run = result.runs[i];
+    std::istringstream row(lines[i + 1]);
+    std::map<std::string, std::string> cells;
+    std::string cell;
+    std::size_t column = 0;
+    for (; std::getline(row, cell, ','); ++column) {
+      REQUIRE(column < names.size());
+      cells[names[column]] = cell;
+    }
+    CHECK(column == names.size());
+    CHECK(cells["problem"] == run.problem);
+    CHECK(cells["strategy"] == run.strategy);
+    CHECK(cells["seed"] == std::to_string(run.seed));
+    CHECK(cells["solved"] == (run.run.solved ? "1" : "0"));
+    CHECK(cells["validity_checks"] == std::to_string(run.run.validity_checks));
+    CHECK(cells["length"].empty() == !run.run.solved);
+    CHECK(cells["levels"] == std::to_string(run.levels.size()));
+    const auto& root = run.levels.front().own;
+    CHECK(cells["tree_D_eps"].empty() == (!root || std::isnan(root->tree.value)));
+    if (!cells["tree_D_eps"].empty()) CHECK(std::stod(cells["tree_D_eps"]) == root->tree.value);
+  }
 }
 
 TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") {

@@ -22,4 +22,9 @@ std::string experiment_line(const Experiment& experiment);
 std::string runs_document(const std::string& script, const std::string& experiment,
                           const std::vector<std::string>& runs);
 
+/// Returns the runs as a table in CSV: a header and a row for each run. Cells without a value are empty.
+/// \param runs  results of run_line()
+std::string runs_csv(const std::vector<std::string>& runs);
+std::string runs_csv(const ExperimentResult& result);
+
 }  // namespace trellis
