@@ -3,9 +3,9 @@
 --
 --   trellis run examples/gaps.lua
 --
--- Four walls have eight gaps each: most are too narrow for the robot, or so bent that it cannot turn in them. Read `>>` as
--- "guides". The tree of the RRT at the right end grows in the robot's own configuration space; each guide to its left
--- searches a simpler space, and proposals to its right follow the path found there:
+-- Four walls have eight gaps each: most are too narrow for the robot, or so bent that it cannot turn in them. Read
+-- `>>` as "guides". The tree of the RRT at the right end grows in the robot's own configuration space; each guide to
+-- its left searches a simpler space, and proposals to its right follow the path found there:
 --
 --   skeleton()    the medial axis of the free workspace: where it is wide enough for the robot
 --   lazy()        the world without obstacles; the motions of its path are checked for the robot, each once, and a path
