@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -17,6 +18,7 @@
 #include <trellis/collision/planar/part_index.hpp>
 #include <trellis/collision/planar/segment.hpp>
 #include <trellis/collision/planar/separation.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 
 namespace trellis {
 
@@ -100,6 +102,28 @@ class Pieces {
   std::vector<std::vector<kernel::Edge>> edges_;  ///< of each piece; moving a vector does not move its elements
 };
 
+/// The parts of a world as checkers use them.
+struct Obstacles {
+  Obstacles(const World& world, double slack) {
+    std::vector<Box> boxes;
+    for (const auto& part : world.parts()) {
+      pieces.add(part.shape, 0.5 * slack);
+      const Piece& piece = pieces[pieces.size() - 1];
+      boxes.push_back({piece.xlo, piece.xhi, piece.ylo, piece.yhi});
+    }
+    index = PartIndex(std::move(boxes));
+  }
+
+  Pieces pieces;
+  PartIndex index;
+};
+
+/// Returns the obstacles of a world, which all checkers of all threads share.
+std::shared_ptr<const Obstacles> obstacles_of(const World& world, double slack) {
+  static CacheByWorld<Obstacles, double> cache;
+  return cache.get(world, slack, [&](const World& of) { return Obstacles(of, slack); });
+}
+
 class PlanarChecker final : public Checker {
  public:
   PlanarChecker(std::shared_ptr<const PlanarScene> scene, Space space, double resolution, const kernel::Table& kernels)
@@ -108,18 +132,13 @@ class PlanarChecker final : public Checker {
         space_(std::move(space)),
         resolution_(resolution),
         kernels_(kernels),
-        slack_(touching_slack(*scene_)) {
+        slack_(touching_slack(*scene_)),
+        of_world_(obstacles_of(scene_->world, slack_)),
+        obstacles_(of_world_->pieces),
+        index_(of_world_->index) {
     check_fits(*scene_, space_, resolution_);
-    const auto& world = scene_->world;
-    std::vector<Box> boxes;
-    for (const auto& part : world.parts()) {
-      obstacles_.add(part.shape, 0.5 * slack_);
-      const Piece& piece = obstacles_[obstacles_.size() - 1];
-      boxes.push_back({piece.xlo, piece.xhi, piece.ylo, piece.yhi});
-    }
-    index_ = PartIndex(std::move(boxes));
     candidates_.resize(obstacles_.size());
-    const auto& [lo, hi] = world.bounds();
+    const auto& [lo, hi] = scene_->world.bounds();
     bounds_ = {lo.x - slack_, hi.x + slack_, lo.y - slack_, hi.y + slack_};
 
     const auto& bodies = robot_.bodies();
@@ -929,8 +948,9 @@ class PlanarChecker final : public Checker {
   double resolution_;
   const kernel::Table& kernels_;
   double slack_;
-  Pieces obstacles_;  ///< the world's parts
-  PartIndex index_;   ///< of the obstacles
+  std::shared_ptr<const Obstacles> of_world_;
+  const Pieces& obstacles_;  ///< the world's parts
+  const PartIndex& index_;   ///< of the obstacles
   Box bounds_{};
   Pieces pieces_;  ///< the robot's, body by body
   std::vector<std::size_t> body_of_;

@@ -24,6 +24,7 @@
 #include <trellis/collision/spatial/separation.hpp>
 #include <trellis/collision/spatial/shared_cache.hpp>
 #include <trellis/collision/spatial/surface_pair.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/spatial/box_tree.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
@@ -88,6 +89,28 @@ std::shared_ptr<const MeshModel> model_of(const std::shared_ptr<const Mesh>& mes
   static SharedCache<std::pair<std::uint64_t, double>, MeshModel> cache;
   constexpr std::size_t small = 20'000;
   return cache.get({mesh->hash(), scale}, mesh->triangles().size() <= small, [&] { return MeshModel(mesh, scale); });
+}
+
+/// Makes the models of the meshes of a world and a robot, which live as long as the world.
+void keep_models(const World3& world, const Robot3& robot, double scale) {
+  using Models = std::vector<std::shared_ptr<const MeshModel>>;
+  using Key = std::pair<double, std::vector<std::uint64_t>>;
+  static CacheByWorld<Models, Key> cache;
+  const auto mesh_of = [](const Solid& solid) { return std::get_if<std::shared_ptr<const Mesh>>(&solid.shape); };
+  Key key{scale, {}};
+  for (const Solid& solid : robot.solids()) {
+    if (const auto* mesh = mesh_of(solid)) key.second.push_back((*mesh)->hash());
+  }
+  static_cast<void>(cache.get(world, key, [&](const World3& of) {
+    Models models;
+    for (const Obstacle3& obstacle : of.obstacles()) {
+      if (const auto* mesh = mesh_of(obstacle.solid)) models.push_back(model_of(*mesh, scale));
+    }
+    for (const Solid& solid : robot.solids()) {
+      if (const auto* mesh = mesh_of(solid)) models.push_back(model_of(*mesh, scale));
+    }
+    return models;
+  }));
 }
 
 /// Returns a shape that contains all points within `by` metres of a shape that is no mesh.
@@ -241,6 +264,7 @@ class SpatialFclChecker final : public Checker {
     check_fits(*scene_, space_, resolution_);
     slack_ = touching_slack(*scene_);
     scale_ = scale_for_fcl(world_, robot_);
+    keep_models(world_, robot_, scale_);
     const Vec3 margin{slack_, slack_, slack_};
     obstacles_.reserve(world_.obstacles().size());
     for (const Obstacle3& obstacle : world_.obstacles()) {
