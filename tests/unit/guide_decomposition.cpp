@@ -151,17 +151,26 @@ TEST_CASE("leads are shortest paths but for a share of random ones", "[guide][de
   }
 }
 
+namespace {
+
+/// Two homotopy classes, above and below a wall; above is shorter.
+Problem two_passages() {
+  return test::make_problem("two passages", test::rectangle_world({{4, 2, 6, 8.5}}), test::rectangle_robot(), {2, 6, 0},
+                            {8, 6, 0});
+}
+
+double highest(const Configurations& path) {
+  double y = 0.0;
+  for (std::size_t i = 0; i < path.size(); ++i) y = std::max(y, path[i][1]);
+  return y;
+}
+
+}  // namespace
+
 TEST_CASE("what is found invalid makes leads through it costly", "[guide][decomposition]") {
-  // Two homotopy classes, above and below a wall; above is shorter.
-  auto problem = test::make_problem("two passages", test::rectangle_world({{4, 2, 6, 8.5}}), test::rectangle_robot(),
-                                    {2, 6, 0}, {8, 6, 0});
+  const Problem problem = two_passages();
   Lead lead(problem, {{"random_leads", 0.0}, {"size", 1.0}});
-  const auto highest = [&] {
-    double y = 0.0;
-    for (std::size_t i = 0; i < lead.found.path.size(); ++i) y = std::max(y, lead.found.path[i][1]);
-    return y;
-  };
-  const bool above = highest() > 8.5;
+  const bool above = highest(lead.found.path) > 8.5;
   Stream stream(4, "", "invalid");
   Configuration q(3), blocked(3);
   // Whatever is tried on that side of the wall fails.
@@ -174,5 +183,43 @@ TEST_CASE("what is found invalid makes leads through it costly", "[guide][decomp
   }
   lead.guide->before_resolve();
   lead.solve();
-  CHECK((highest() > 8.5) != above);
+  CHECK((highest(lead.found.path) > 8.5) != above);
+}
+
+TEST_CASE("a place that another guide refuted ends a lead through its cell, and the next one avoids it",
+          "[guide][decomposition]") {
+  const Problem problem = two_passages();
+  Lead lead(problem, {{"random_leads", 0.0}, {"size", 1.0}});
+  const bool above = highest(lead.found.path) > 8.5;
+  lead.guide->avoid(Configuration{5, above ? 0.5 : 9.5, 0});
+  CHECK_FALSE(lead.h->stale());
+  lead.guide->avoid(Configuration{5, 5, 0});  // within the wall
+  CHECK_FALSE(lead.h->stale());
+  // Each cell of the passage in turn: the refuted place on the other side counts once.
+  for (int i = 0; i < 20 && (highest(lead.found.path) > 8.5) == above; ++i) {
+    const Configurations& path = lead.found.path;
+    std::size_t at = 0;
+    while (at < path.size() && !(path[at][0] > 4 && path[at][0] < 6)) ++at;
+    REQUIRE(at < path.size());
+    lead.guide->avoid(Configuration{path[at][0], path[at][1], 0});
+    REQUIRE(lead.h->stale());
+    lead.guide->before_resolve();
+    lead.solve();
+    CHECK_FALSE(lead.h->stale());
+  }
+  CHECK((highest(lead.found.path) > 8.5) != above);
+}
+
+TEST_CASE("configurations that a level above found invalid make leads through them costly", "[guide][decomposition]") {
+  const Problem problem = two_passages();
+  Lead lead(problem, {{"random_leads", 0.0}, {"size", 1.0}});
+  const bool above = highest(lead.found.path) > 8.5;
+  Stream stream(4, "", "invalid");
+  for (int i = 0; i < 4000; ++i) {
+    lead.guide->found_invalid(
+        Configuration{stream.uniform(4, 6), above ? stream.uniform(8.5, 10) : stream.uniform(0, 2), 0});
+  }
+  lead.guide->before_resolve();
+  lead.solve();
+  CHECK((highest(lead.found.path) > 8.5) != above);
 }

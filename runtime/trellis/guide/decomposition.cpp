@@ -218,6 +218,13 @@ class Exploration {
     return improved;
   }
 
+  /// Counts configurations that other levels found invalid. Returns their cell.
+  std::optional<std::uint32_t> note_invalid(View q, double number) {
+    const auto region = decomposition_->find(q);
+    if (region) regions_[*region].invalid += number;
+    return region;
+  }
+
   /// Counts a lead through these cells.
   void include(const std::vector<std::uint32_t>& lead) {
     for (std::size_t i = 1; i < lead.size(); ++i) {
@@ -331,6 +338,12 @@ class Exploration {
   std::set<std::tuple<std::uint32_t, std::int64_t, std::int64_t, std::int64_t>> cells_;
 };
 
+/// The cells that a lead goes through, and whether another guide refuted a place in one of them.
+struct Lead {
+  std::vector<std::uint32_t> cells;
+  bool refuted = false;
+};
+
 /// h along a lead: selects a cell that the tree has reached, then one of its nodes, and draws the proposal from this
 /// cell or the next ones of the lead.
 class LeadHeuristic final : public Heuristic {
@@ -338,13 +351,14 @@ class LeadHeuristic final : public Heuristic {
   /// \param stream  random stream that selects the available cells
   LeadHeuristic(std::shared_ptr<const Decomposition> decomposition, const DecompositionSettings& settings,
                 std::shared_ptr<Exploration> exploration, Instance& parent, std::shared_ptr<CellDensities> densities,
-                std::vector<std::uint32_t> lead, Configurations lifted, Stream stream, std::uint64_t& luck)
+                std::shared_ptr<const Lead> lead, Configurations lifted, Stream stream, std::uint64_t& luck)
       : decomposition_(std::move(decomposition)),
         settings_(settings),
         exploration_(std::move(exploration)),
         parent_(parent),
         densities_(std::move(densities)),
-        lead_(std::move(lead)),
+        of_guide_(std::move(lead)),
+        lead_(of_guide_->cells),
         lifted_(std::move(lifted)),
         next_luck_(luck),
         parent_epoch_(parent.epoch()),
@@ -422,7 +436,7 @@ class LeadHeuristic final : public Heuristic {
     weigh();
   }
 
-  [[nodiscard]] bool stale() const override { return stale_; }
+  [[nodiscard]] bool stale() const override { return stale_ || of_guide_->refuted; }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"decomposition"}; }
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
@@ -470,7 +484,8 @@ class LeadHeuristic final : public Heuristic {
   std::shared_ptr<Exploration> exploration_;
   Instance& parent_;
   std::shared_ptr<CellDensities> densities_;
-  std::vector<std::uint32_t> lead_;
+  std::shared_ptr<const Lead> of_guide_;
+  const std::vector<std::uint32_t>& lead_;
   Configurations lifted_;
   std::uint64_t& next_luck_;  ///< seed of the next lead's random stream
   std::uint64_t parent_epoch_;
@@ -524,6 +539,7 @@ class DecompositionGuide final : public Guide {
   [[nodiscard]] bool closed_fibre() const override { return decomposition_->projection.closed_fibre(); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
+    lead_.reset();
     Stream stream(luck_, "decomposition", "lead");
     std::vector<std::uint32_t> lead;
     // The first lead, before any proposal, is a shortest path.
@@ -546,9 +562,20 @@ class DecompositionGuide final : public Guide {
     const Configuration& goal = goal_choice_.choose(
         parent, [&](View q, MutableView s) { projection.project(q, s); }, projection.space(), path);
     Configurations lifted = projection.lifted(path, parent.start, goal);
-    return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, std::move(lead),
+    lead_ = std::make_shared<Lead>(Lead{std::move(lead)});
+    return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, lead_,
                                            std::move(lifted), stream, luck_);
   }
+
+  void avoid(View place) override {
+    // As many configurations as make other guides refute a place.
+    constexpr double evidence = 100.0;
+    const auto cell = exploration_->note_invalid(place, evidence);
+    if (!cell || !lead_) return;
+    const auto& cells = lead_->cells;
+    if (std::find(cells.begin(), cells.end(), *cell) != cells.end()) lead_->refuted = true;
+  }
+  void found_invalid(View q) override { exploration_->note_invalid(q, 1.0); }
 
   void before_resolve() override {
     exploration_->costs(crossings_, [&](std::size_t e, double cost) { graph_->set_cost(e, cost); });
@@ -655,37 +682,40 @@ class DecompositionGuide final : public Guide {
   std::vector<Exploration::Crossing> crossings_;  ///< for each edge
   std::shared_ptr<CellDensities> densities_;
   std::shared_ptr<Exploration> exploration_;
-  GoalChoice goal_choice_;  ///< where leads end in C
-  std::uint64_t luck_ = 0;  ///< last number drawn by h; seeds the random stream of the next lead
+  std::shared_ptr<Lead> lead_;  ///< of the last h; none before, and where that is uniform
+  GoalChoice goal_choice_;      ///< where leads end in C
+  std::uint64_t luck_ = 0;      ///< last number drawn by h; seeds the random stream of the next lead
 };
 
 }  // namespace
 
 GuideKind decomposition_kind() {
-  return {&decomposition_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
-          },
-          "graph_search",
-          [](const Options& o) { return decomposition_settings().read(o).resolves; },
-          {.category = GuideClaims::Category::robot,
-           .f = "q -> the position of the reference point, in a cell of the free workspace; of an arm that is fixed to "
-                "its base, that of its tip",
-           .h = "a cell of the lead that the tree has reached, by free volume, coverage and how often it was "
-                "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
-                "cells, all else uniform (of an arm, by inverse kinematics); any cell with a share of `explore`",
-           .closed_form = true,
-           .density = "of the mixture of cells",
-           .feedback = "nodes, invalid configurations and crossings are counted by cell; a lead is abandoned after "
-                       "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
-                       "another one searched, its costs by what was counted",
-           .relaxes = true,
-           .invalid_ends = "an end whose position is in no cell is joined to none, so S has no path",
-           .fallback = GuideClaims::Fallback::own,
-           .no_path = "the lead goes to the cell nearest to the goal that can be reached; uniform where the start "
-                      "is in none",
-           .example = "examples/kinodynamic.lua",
-           .needs = GuideClaims::Needs::position}};
+  return {
+      &decomposition_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
+      },
+      "graph_search",
+      [](const Options& o) { return decomposition_settings().read(o).resolves; },
+      {.category = GuideClaims::Category::robot,
+       .f = "q -> the position of the reference point, in a cell of the free workspace; of an arm that is fixed to "
+            "its base, that of its tip",
+       .h = "a cell of the lead that the tree has reached, by free volume, coverage and how often it was "
+            "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
+            "cells, all else uniform (of an arm, by inverse kinematics); any cell with a share of `explore`",
+       .closed_form = true,
+       .density = "of the mixture of cells",
+       .feedback = "nodes, invalid configurations and crossings are counted by cell; a place that another guide "
+                   "refuted counts as 100 invalid ones, and ends a lead through its cell; a lead is abandoned after "
+                   "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
+                   "another one searched, its costs by what was counted",
+       .relaxes = true,
+       .invalid_ends = "an end whose position is in no cell is joined to none, so S has no path",
+       .fallback = GuideClaims::Fallback::own,
+       .no_path = "the lead goes to the cell nearest to the goal that can be reached; uniform where the start "
+                  "is in none",
+       .example = "examples/kinodynamic.lua",
+       .needs = GuideClaims::Needs::position}};
 }
 
 }  // namespace trellis
