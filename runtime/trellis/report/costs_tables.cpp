@@ -269,7 +269,8 @@ class Tables {
       const std::string range = std::isnan(median.lo) || std::isnan(median.hi)
                                     ? ""
                                     : fmt::format(" [{}, {}]", text(median.lo), text(median.hi));
-      cells.push_back(text(median.value) + range + unit + unsolved(costs.reference_solved, costs.pairs));
+      cells.push_back(
+          fmt::format("{}{}{}{}", text(median.value), range, unit, unsolved(costs.reference_solved, costs.pairs)));
     }
     out_.row(cells);
     for (const std::size_t s : strategies_of(beside_baseline_)) {

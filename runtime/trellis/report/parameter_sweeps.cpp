@@ -48,12 +48,6 @@ std::string with_word(const std::string& text, double value, const std::string& 
   return text;
 }
 
-/// Strategies by their values, and an example of a description.
-struct Alike {
-  std::map<double, std::size_t> strategies;
-  Json spec;
-};
-
 }  // namespace
 
 bool ParameterSweep::has(std::size_t strategy) const {
@@ -63,8 +57,8 @@ bool ParameterSweep::has(std::size_t strategy) const {
 }
 
 std::vector<ParameterSweep> parameter_sweeps(const CostData& data) {
-  // By the place of the number, then by all else of the strategy.
-  std::map<std::string, std::map<std::string, Alike>> places;
+  // Strategies by the place of the number, then by all else, then by the number.
+  std::map<std::string, std::map<std::string, std::map<double, std::size_t>>> places;
   for (std::size_t s = 0; s < data.strategies.size(); ++s) {
     if (data.strategies[s].spec.empty()) continue;
     const Json spec = Json::parse(data.strategies[s].spec);
@@ -73,20 +67,18 @@ std::vector<ParameterSweep> parameter_sweeps(const CostData& data) {
       if (!value.is_number()) continue;
       Json rest = spec;
       rest[Json::json_pointer(place)] = nullptr;
-      Alike& alike = places[place][rest.dump()];
-      if (alike.spec.is_null()) alike.spec = spec;
-      alike.strategies.emplace(value.get<double>(), s);
+      places[place][rest.dump()].emplace(value.get<double>(), s);
     }
   }
   std::vector<ParameterSweep> sweeps;
   for (const auto& [place, by_rest] : places) {
     ParameterSweep sweep;
     for (const auto& [rest, alike] : by_rest) {
-      if (alike.strategies.size() < least_values) continue;
+      if (alike.size() < least_values) continue;
       const Json::json_pointer pointer(place);
-      sweep.option = option_name(alike.spec, pointer);
+      sweep.option = option_name(Json::parse(data.strategies[alike.begin()->second].spec), pointer);
       ParameterCurve curve;
-      for (const auto& [value, strategy] : alike.strategies) {
+      for (const auto& [value, strategy] : alike) {
         curve.values.push_back(value);
         curve.strategies.push_back(strategy);
       }
