@@ -33,11 +33,22 @@ namespace {
 constexpr std::size_t largest = std::size_t{4} << 30U;
 
 /// In the order of figure_names().
-enum class Kind : std::uint8_t { success, length, ratios, sweep, waterfall, profile, strip, plane, waterfalls };
+enum class Kind : std::uint8_t {
+  success,
+  length,
+  ratios,
+  sweep,
+  correlation,
+  waterfall,
+  profile,
+  strip,
+  plane,
+  waterfalls
+};
 
 const std::vector<std::string>& figure_names() {
-  static const std::vector<std::string> names = {"success", "length", "ratios", "sweep",     "waterfall",
-                                                 "profile", "strip",  "plane",  "waterfalls"};
+  static const std::vector<std::string> names = {"success",   "length",  "ratios", "sweep", "correlation",
+                                                 "waterfall", "profile", "strip",  "plane", "waterfalls"};
   return names;
 }
 
@@ -89,6 +100,9 @@ class Plotter {
       draw(ratio_figure(data, baseline, style_), std::filesystem::path(options_.out) / "ratios");
     }
     if (options_.draws(Kind::sweep)) sweeps(data, baseline);
+    if (options_.draws(Kind::correlation)) {
+      draw(correlation_figure(data, baseline), std::filesystem::path(options_.out) / "correlation");
+    }
   }
 
   /// Draws the figures of the measure.
@@ -144,6 +158,10 @@ std::string nothing_text(const Options& options) {
     case Kind::ratios: return name + ": the files have no run with a path, so there is nothing to draw";
     case Kind::length: return name + ": no strategy of the files improves its path, so there is nothing to draw";
     case Kind::sweep: return name + ": no three strategies of the files differ in one number of one option alone";
+    case Kind::correlation:
+      return name +
+             ": the files do not have two problems with three scored strategies with guides and a cost beside the "
+             "baseline's, so there is nothing to draw";
     case Kind::plane: return name + ": the files have no scored strategy with a guide, so there is nothing to draw";
     case Kind::waterfalls:
       return name + ": no problem of the files has two scored strategies with guides, so there is nothing to draw";

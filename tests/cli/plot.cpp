@@ -94,6 +94,7 @@ return experiment {
   strategies = {
     guided = skeleton() >> rrt { step = 0.5 },
     ["a/b"] = (0.5*skeleton() + 0.5*shrink(0.5)) >> rrt { step = 0.5 },
+    shrink = shrink(0.5) >> rrt { step = 0.5 },
     rrt = rrt { step = 0.5, proposals = 4000 },
   },
   seeds = 5, measure = tube { delta = 0.5 }, baseline = "rrt", ablate = true,
@@ -110,8 +111,14 @@ return experiment {
     CHECK(content(place / ("plots/" + name)) == content(entry.path()));
     ++same;
   }
-  // Two comparisons of each problem, the waterfalls, ratios of all, and 4 figures of each strategy with guides.
-  CHECK(same >= 2 * 3 + 1 + 2 * 2 * 4);
+  // Two comparisons of each problem, the waterfalls, ratios and correlation of all, and 4 figures of each strategy with
+  // guides.
+  CHECK(same >= 2 * 3 + 2 + 2 * 3 * 4);
+  REQUIRE(place.run({"compare", "it.json", "--out", "costs"}).status == 0);
+  CHECK(content(place / "costs/figures/correlation.svg") == content(place / "drawn/correlation.svg"));
+  const Outcome compared = place.run({"compare", "it.json"});
+  CHECK(compared.out.find("3 strategies with guides on 2 problems, 6 pairs of both") != std::string::npos);
+  CHECK(content(place / "costs/table.md").find("## Rank correlation of efficiency and checks") != std::string::npos);
 
   // The page has the same tables, warnings and figures, and no run to replay.
   REQUIRE(place.run({"run", "it.lua", "--quiet", "--html", "run.html", "--json", "it.json"}).status == 0);
@@ -169,6 +176,10 @@ TEST_CASE("plot says why it draws no figure of a measure") {
   CHECK(strip.status == 2);
   CHECK(strip.err ==
         "trellis: --figure strip: the files have no scored strategy, as of `measure = false` or of a sweep\n");
+  const Outcome correlation = results.plot("correlation");
+  CHECK(correlation.status == 2);
+  CHECK(correlation.err.find("--figure correlation: the files do not have two problems with three scored strategies") !=
+        std::string::npos);
 }
 
 TEST_CASE("compare and plot take the first strategy without a guide for the baseline, as run does") {

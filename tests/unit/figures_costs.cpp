@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/figures/costs_figures.hpp>
+#include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/parameter_sweeps.hpp>
 #include <trellis/report/report.hpp>
@@ -444,6 +447,158 @@ TEST_CASE("a sweep is drawn over its number with intervals, and is not in the fi
   fixture::check_pictures(folder);
 }
 
+namespace {
+
+/// Costs of guided strategies with nats: by mass as `mass` has it, by spread 0.1 less for each further strategy.
+/// \param ratios  of each problem and strategy, to the baseline; infinite: no path
+CostData with_nats(const std::vector<std::vector<double>>& ratios, const std::vector<std::vector<double>>& mass) {
+  CostData data;
+  data.baseline = "rrt";
+  data.strategies = {{"rrt", "rrt()"}};
+  for (std::size_t s = 0; s < ratios.front().size(); ++s) {
+    data.strategies.push_back({fmt::format("s{}", s), fmt::format("shrink(0.{}) >> rrt()", s + 1)});
+  }
+  constexpr std::uint64_t seeds = 3;
+  for (std::size_t p = 0; p < ratios.size(); ++p) {
+    data.problems.push_back({fmt::format("world {}", p), ""});
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      data.runs.push_back({p, 0, seed, true, 100.0, 0.1});
+      for (std::size_t s = 0; s < ratios[p].size(); ++s) {
+        if (std::isnan(ratios[p][s])) continue;
+        const bool solved = std::isfinite(ratios[p][s]);
+        data.runs.push_back({p, s + 1, seed, solved, solved ? 100.0 * ratios[p][s] : 500.0, 0.1});
+      }
+    }
+    for (std::size_t s = 0; s < mass[p].size(); ++s) {
+      if (std::isnan(mass[p][s])) continue;
+      const double spread = -0.1 * static_cast<double>(s);
+      data.nats.push_back({p, s + 1, false, true, seeds, mass[p][s], spread, mass[p][s] + spread});
+    }
+  }
+  return data;
+}
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+TEST_CASE("the nats that order the checks within each problem have a correlation of -1", "[report][costs]") {
+  // By mass the first strategy is the best everywhere; problems differ more than strategies do.
+  const CostData data = with_nats(
+      {{0.1, 0.5, 2.0}, {10, 20, 30}, {1, 2, infinity}, {0.01, 0.02, 0.03}, {3, 4, 5}, {6, 7, 8}},
+      {{2.0, 1.5, 1.0}, {7.0, 6.5, 6.1}, {0.3, 0.1, -0.5}, {2.0, 1.9, 1.0}, {3.0, 2.0, 1.0}, {2.0, 1.0, 0.0}});
+  const auto found = cost_correlation(data, "rrt");
+  REQUIRE(found);
+  CHECK(found->dots.size() == 18);
+  CHECK(found->problems == 6);
+  CHECK(found->strategies == 3);
+  CHECK(found->cross == 6);
+  CHECK(found->dots[8].ratio == infinity);
+  for (const Interval& rho : found->rho) {
+    CHECK(rho.value == Approx(-1.0));
+    CHECK(rho.hi == Approx(-1.0));
+    CHECK(rho.n == 6);
+  }
+  CHECK(found->differences[0].value == Approx(0.0));
+  CHECK(correlation_text(found->rho[0]) == "-1.00 [-1.00, -1.00]");
+  const auto rows = correlation_rows(data, "rrt");
+  REQUIRE(rows.size() == 7);
+  CHECK(rows[5] == std::array<std::string, 3>{"mass - SE", "+0.00 [+0.00, +0.00]", "-"});
+
+  const auto figure = correlation_figure(data, "rrt");
+  REQUIRE(figure);
+  REQUIRE(figure->panels.size() == 3);
+  CHECK(figure->panels[0].title == "mass\nρ = -1.00 [-1.00, -1.00]");
+  CHECK(figure->panels[2].title.starts_with("SE\n"));
+  REQUIRE(figure->panels[0].series.size() == 6);
+  CHECK(figure->panels[0].series[2].name == "world 2");
+  CHECK(figure->panels[0].series[2].x == std::vector{0.3, 0.1, -0.5});
+  CHECK(figure->panels[1].series[2].x == std::vector{0.0, -0.1, -0.2});
+  CHECK(figure->panels[0].series[2].y == std::vector{1.0, 2.0, infinity});
+  CHECK(figure->caption.starts_with("Nodes of the root. 3 strategies with guides on 6 problems, 18 pairs of both: "));
+  const fixture::Folder folder;
+  write_figure(*figure, {}, (folder.path() / "correlation").string());
+  fixture::check_pictures(folder);
+
+  const std::string text = costs_text(data, "rrt", 120);
+  CHECK(text.find("mass - spread") != std::string::npos);
+  const std::string table = costs_markdown(data, "rrt");
+  CHECK(table.find("## Rank correlation of efficiency and checks") != std::string::npos);
+  CHECK(table.find("| mass | -1.00 [-1.00, -1.00] | - |\n| spread | -1.00") != std::string::npos);
+}
+
+TEST_CASE("a reversed order has a correlation of 1, and mass and spread may disagree", "[report][costs]") {
+  // The last strategy has the most by mass, by far, and the least by spread.
+  const std::vector<double> mass = {1.0, 2.0, 3.0};
+  const auto found = cost_correlation(with_nats({{1, 2, 3}, {2, 4, 8}}, {mass, mass}), "rrt");
+  REQUIRE(found);
+  CHECK(found->rho[0].value == Approx(1.0));
+  CHECK(found->rho[1].value == Approx(-1.0));
+  CHECK(found->rho[2].value == Approx(1.0));
+  CHECK(found->differences[0].value == Approx(2.0));
+  CHECK(std::isnan(found->rho[0].lo));  // two problems have no interval
+  CHECK(correlation_text(found->rho[0]) == "+1.00");
+  CHECK(correlation_explanation(*found, "rrt").find("bootstrap") == std::string::npos);
+  // The orders of two problems are opposite: together none.
+  const auto neither = cost_correlation(with_nats({{1, 2, 3}, {8, 4, 2}}, {mass, mass}), "rrt");
+  REQUIRE(neither);
+  CHECK(neither->rho[0].value == Approx(0.0));
+}
+
+TEST_CASE("a correlation leaves out what has no nats or no ratio, and needs three strategies on two problems",
+          "[report][costs]") {
+  const std::vector<double> mass = {1.0, 2.0, 3.0, 4.0};
+  const auto correlate = [](const CostData& data) { return cost_correlation(data, "rrt"); };
+  const auto some = correlate(with_nats({{1, 2, 3, none}, {1, 2, 3, 4}}, {mass, {none, 2.0, 3.0, 4.0}}));
+  REQUIRE(some);
+  CHECK(some->dots.size() == 6);
+  CHECK_FALSE(correlate(with_nats({{1, 2, 3, none}, {1, 2, 3, 4}}, {mass, {none, none, 3.0, 4.0}})));
+  CHECK_FALSE(correlate(with_nats({{1, 2, 3, 4}}, {mass})));
+  CHECK_FALSE(correlation_figure(with_nats({{1, 2, 3, 4}}, {mass}), "rrt"));
+  // Ratios that are all infinite have no order.
+  const auto infinite = correlate(with_nats({{infinity, infinity, infinity}, {1, 2, 3}}, {mass, mass}));
+  REQUIRE(infinite);
+  CHECK(infinite->rho[0].n == 1);
+  CHECK(infinite->rho[0].value == Approx(1.0));
+  // Neither an ablation nor a strategy without guides is one with guides.
+  CostData data = with_nats({{1, 2, 3}, {1, 2, 3}}, {mass, mass});
+  CHECK(correlate(data));
+  CHECK_FALSE(cost_correlation(data, ""));
+  CHECK_FALSE(cost_correlation(data, "s0"));
+  data.strategies[1].ablation = true;
+  CHECK_FALSE(correlate(data));
+  CHECK(costs_text(data, "rrt", 120).find("rank correlation") == std::string::npos);
+  CHECK(costs_markdown(data, "rrt").find("Rank correlation") == std::string::npos);
+}
+
+TEST_CASE("nats are on other seeds' paths where a problem has any, and are averaged over the runs of all documents",
+          "[report][costs]") {
+  const std::vector<double> mass = {1.0, 2.0, 3.0};
+  CostData data = with_nats({{1, 2, 3}, {1, 2, 3}}, {mass, mass});
+  data.nats.push_back({0, 1, false, false, 3, 9.0, 0.0, 9.0});  // on its own path
+  data.nats.push_back({0, 1, false, true, 9, 5.0, 0.0, 5.0});   // of another document
+  const auto found = cost_correlation(data, "rrt");
+  REQUIRE(found);
+  CHECK(found->dots[0].nats[0] == Approx((3.0 * 1.0 + 9.0 * 5.0) / 12.0));
+  // Those of the proposals are correlated by themselves.
+  CHECK_FALSE(cost_correlation(data, "rrt", true));
+  CostData both = data;
+  for (CostData::Nats one : data.nats) {
+    one.proposals = true;
+    one.mass = -one.mass;
+    both.nats.push_back(one);
+  }
+  const auto proposals = cost_correlation(both, "rrt", true);
+  REQUIRE(proposals);
+  CHECK(proposals->rho[0].value == Approx(-cost_correlation(both, "rrt")->rho[0].value));
+  for (CostData::Nats& one : data.nats) one.cross = one.cross && one.problem == 0;
+  const auto mixed = cost_correlation(data, "rrt");
+  REQUIRE(mixed);
+  CHECK(mixed->cross == 1);
+  CHECK(correlation_explanation(*mixed, "rrt").find("other seeds' paths in 1 of 2 problems, else its own") !=
+        std::string::npos);
+}
+
 TEST_CASE("a figure of ratios says of how many pairs its medians are", "[report][costs]") {
   const CostData data = two_worlds();
   const auto all = ratio_figure(data, "connect");
@@ -461,7 +616,17 @@ TEST_CASE("a figure of ratios says of how many pairs its medians are", "[report]
 }
 
 TEST_CASE("the costs of an experiment are those of its document", "[report][costs]") {
-  const auto [experiment, result] = fixture::passage();
+  auto [experiment, result] = fixture::passage();
+  for (RunResult& run : result.runs) {
+    std::optional<Scores>& root = run.levels.front().root;
+    if (!root) continue;
+    for (Efficiency* e : {&root->tree, &root->expansion}) {
+      e->parts.mass = 0.9 * e->value;
+      e->parts.spread = 0.1 * e->value;
+    }
+    run.levels.front().root_cross = root;
+    run.levels.front().root_cross->tree.gain -= 0.1;
+  }
   CostData read;
   read.add(report_json(experiment, result, ""), "results.json");
   const CostData made = cost_data(experiment, result);
@@ -473,6 +638,19 @@ TEST_CASE("the costs of an experiment are those of its document", "[report][cost
     CHECK(made.runs[i].solved == read.runs[i].solved);
     CHECK(made.runs[i].checks == read.runs[i].checks);
     CHECK(made.runs[i].improvements.size() == read.runs[i].improvements.size());
+  }
+  CHECK(made.nats.size() == 2 * 2 * 2);  // strategies, nodes and proposals, own paths and those of other seeds
+  REQUIRE(made.nats.size() == read.nats.size());
+  for (const CostData::Nats& one : made.nats) {
+    const auto same = std::find_if(read.nats.begin(), read.nats.end(), [&](const CostData::Nats& other) {
+      return other.problem == one.problem && other.strategy == one.strategy && other.cross == one.cross &&
+             other.proposals == one.proposals;
+    });
+    REQUIRE(same != read.nats.end());
+    CHECK(same->runs == one.runs);
+    CHECK(same->mass == one.mass);
+    CHECK(same->spread == one.spread);
+    CHECK(same->above == one.above);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/pictures.hpp>
 #include <trellis/measure/censored_cost.hpp>
+#include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/parameter_sweeps.hpp>
@@ -522,6 +523,43 @@ std::vector<draw::Figure> sweep_figures(const CostData& data, const std::string&
   return figures;
 }
 
+std::optional<draw::Figure> correlation_figure(const CostData& data, const std::string& baseline) {
+  const auto found = cost_correlation(data, baseline);
+  if (!found) return std::nullopt;
+  constexpr std::array labels = {"nats above uniform by mass", "nats above uniform by spread", "nats above uniform"};
+  constexpr std::size_t markers = 5;  // of draw::Marker
+  constexpr std::size_t colours = draw::palette::series.size();
+  const bool named = found->problems <= markers * colours;
+  draw::Figure figure{.title = fmt::format("Which nats predict the checks? Costs beside {}, paired by seed", baseline),
+                      .columns = predictors.size(),
+                      .share_y = true,
+                      .width = 600.0,
+                      .panel_height = 190.0,
+                      .legend = draw::Legend::above};
+  for (std::size_t i = 0; i < predictors.size(); ++i) {
+    draw::Panel panel{.title = fmt::format("{}\nρ = {}", predictors[i], correlation_text(found->rho[i])),
+                      .x = {.label = labels[i]},
+                      .y = {.label = "checks / those of " + baseline, .scale = draw::AxisScale::log},
+                      .references = {{1.0, "as " + baseline}}};
+    for (const CostCorrelation::Dot& dot : found->dots) {
+      const std::string& name = data.problems[dot.problem].name;
+      if (panel.series.empty() || (named && panel.series.back().name != name)) {
+        const std::size_t place = panel.series.size();
+        panel.series.push_back({.kind = draw::Series::Kind::points,
+                                .name = named ? name : "a strategy on a problem",
+                                .colour = draw::palette::nth(place),
+                                .marker = static_cast<draw::Marker>(place / colours % markers)});
+      }
+      panel.series.back().x.push_back(dot.nats[i]);
+      panel.series.back().y.push_back(dot.ratio);
+    }
+    figure.panels.push_back(std::move(panel));
+  }
+  figure.caption = "Nodes of the root. " + correlation_explanation(*found, baseline) +
+                   " An arrow: most runs found no path, or most of the reference's found none.";
+  return figure;
+}
+
 namespace {
 
 /// For each problem: FOLDER/PROBLEM/success and length.
@@ -572,6 +610,9 @@ void write_comparison_figures(const Experiment& experiment, const ExperimentResu
   }
   if (data.problems.size() < 2) return;
   write_sweeps(data, data.baseline, root, style);
+  if (const auto correlation = correlation_figure(data, data.baseline)) {
+    write_figure(*correlation, style, (root / "correlation").string());
+  }
   if (const auto ratios = ratio_figure(data, data.baseline, style))
     write_figure(*ratios, style, (root / "ratios").string());
 }
@@ -594,6 +635,9 @@ void write_cost_figures(const CostData& data, const std::string& baseline, const
         {.title = "Does nesting pay? Costs of a >> b beside the better one of a and b",
          .lines = {{1.0, "as the better part", draw::Dash::solid}, {of_parts, "1.3 times", draw::Dash::dashed}}},
         style, stem("parts"));
+  if (const auto correlation = correlation_figure(data, baseline)) {
+    write_figure(*correlation, style, stem("correlation"));
+  }
   write_curves(data, baseline, folder, style);
 }
 

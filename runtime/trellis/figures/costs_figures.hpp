@@ -37,12 +37,18 @@ std::vector<draw::Figure> sweep_figures(const CostData& data, const std::string&
 /// Returns the name of the file of the sweep with this index: "sweep", "sweep-2", ...
 std::string sweep_name(std::size_t i);
 
-/// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy; and for
-/// each problem FOLDER/PROBLEM/success and length.
-/// \throws Error where it cannot write a file.
+/// Draws how nats above uniform of the root's nodes predict costs (cost_correlation()): over nats by mass, by spread
+/// and of SE, a panel each, the validity checks relative to the baseline's, a dot for each strategy with guides on each
+/// problem; each panel's title has the rank correlation within problems. None where there is no such correlation.
+std::optional<draw::Figure> correlation_figure(const CostData& data, const std::string& baseline);
+
+/// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy;
+/// FOLDER/correlation; and for each problem FOLDER/PROBLEM/success and length. \throws Error where it cannot write a
+/// file.
 void write_cost_figures(const CostData& data, const std::string& baseline, const std::string& folder,
                         const FigureStyle& style = {});
-/// Draws success and length of each problem, and ratios and sweeps of each problem and, with several problems, of all.
+/// Draws success and length of each problem, and ratios and sweeps of each problem and, with several problems, of all;
+/// then also FOLDER/correlation.
 void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
                               const FigureStyle& style = {});
 

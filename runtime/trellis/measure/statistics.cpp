@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/measure/group_correlation.hpp>
 
 namespace trellis {
 
@@ -24,18 +25,6 @@ double upper_tail(double confidence) {
     throw Error(fmt::format("interval: the confidence must be in (0, 1), got {:g}", confidence));
   }
   return 0.5 + 0.5 * confidence;
-}
-
-/// Returns the rank of each value, from 1; ties share their mean rank.
-std::vector<double> ranks(const std::vector<double>& values) {
-  std::vector<double> result;
-  result.reserve(values.size());
-  for (const double v : values) {
-    const auto below = std::count_if(values.begin(), values.end(), [&](double w) { return w < v; });
-    const auto equal = std::count(values.begin(), values.end(), v);
-    result.push_back(static_cast<double>(below) + 0.5 * static_cast<double>(equal + 1));
-  }
-  return result;
 }
 
 }  // namespace

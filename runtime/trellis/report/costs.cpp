@@ -14,6 +14,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/measure/statistics.hpp>
+#include <trellis/report/summary.hpp>
 
 namespace trellis {
 
@@ -34,6 +35,37 @@ std::optional<std::size_t> index_of(const std::vector<T>& all, const std::string
 std::string string_or_empty(const Json& object, const char* field) {
   const auto found = object.find(field);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// Adds the nats of one summary, with the means over its runs.
+void add_nats(CostData& data, CostData::Nats nats, double uniform, double mass, double spread, double gain) {
+  nats.mass = uniform - mass;
+  nats.spread = -spread;
+  nats.above = gain;
+  const bool known = std::isfinite(nats.mass) && std::isfinite(nats.spread) && std::isfinite(nats.above);
+  if (known && nats.runs > 0) data.nats.push_back(nats);
+}
+
+/// Adds the nats in an entry of `summary` of a document; none where its runs are not scored.
+void add_nats(CostData& data, const Json& entry) {
+  const auto text = [&](const char* field) { return string_or_empty(entry, field); };
+  const auto problem = index_of(data.problems, text("problem"));
+  const auto strategy = index_of(data.strategies, text("strategy"));
+  if (!problem || !strategy) return;
+  for (const bool proposals : {false, true}) {
+    for (const bool cross : {false, true}) {
+      const Json::json_pointer place(
+          fmt::format("/levels/0/measure/root/{}/{}", proposals ? "expansion" : "tree", cross ? "cross" : "self"));
+      if (!entry.contains(place)) continue;
+      const Json& figure = entry.at(place);
+      const auto mean = [&](const char* name) {
+        const Json::json_pointer value(std::string(name) + "/value");
+        return figure.contains(value) && figure.at(value).is_number() ? figure.at(value).get<double>() : nan;
+      };
+      add_nats(data, {*problem, *strategy, proposals, cross, figure.value("runs", std::size_t{0})}, mean("/D_uniform"),
+               mean("/D_eps_parts/mass"), mean("/D_eps_parts/spread"), mean("/gain"));
+    }
+  }
 }
 
 /// The runs of a strategy on a problem, by seed.
@@ -192,6 +224,9 @@ void CostData::add(const std::string& document, const std::string& file) {
             {one.at("checks").get<std::uint64_t>(), one.at("cpu_s").get<double>(), one.at("length").get<double>()});
       }
     }
+    if (const auto summary = json.find("summary"); summary != json.end()) {
+      for (const Json& entry : *summary) add_nats(*this, entry);
+    }
   } catch (const Json::exception&) {
     fail("this is no document that trellis run --json writes");
   }
@@ -221,6 +256,11 @@ CostData CostData::without_ablations() const {
     whole.runs.push_back(run);
     whole.runs.back().strategy = place[run.strategy];
   }
+  for (const Nats& one : nats) {
+    if (strategies[one.strategy].ablation) continue;
+    whole.nats.push_back(one);
+    whole.nats.back().strategy = place[one.strategy];
+  }
   return whole;
 }
 
@@ -230,6 +270,11 @@ CostData CostData::on(std::size_t problem) const {
     if (run.problem != problem) continue;
     one.runs.push_back(run);
     one.runs.back().problem = 0;
+  }
+  for (const Nats& some : nats) {
+    if (some.problem != problem) continue;
+    one.nats.push_back(some);
+    one.nats.back().problem = 0;
   }
   return one;
 }
@@ -256,6 +301,21 @@ CostData cost_data(const Experiment& experiment, const ExperimentResult& result)
     if (!problem || !strategy) continue;
     data.runs.push_back({*problem, *strategy, run.seed, run.run.solved, static_cast<double>(run.run.validity_checks),
                          run.cpu_seconds, run.run.improvements, static_cast<double>(run.run.improvement_checks)});
+  }
+  if (!experiment.measure) return data;
+  for (std::size_t p = 0; p < data.problems.size(); ++p) {
+    for (std::size_t s = 0; s < data.strategies.size(); ++s) {
+      const RunsSummary summary = summarise(select_runs(result, data.problems[p].name, data.strategies[s].name));
+      if (summary.levels.empty()) continue;
+      const LevelSummary& root = summary.levels.front();
+      for (const bool cross : {false, true}) {
+        const FigurePair& pair = cross ? root.root_cross : root.root;
+        for (const Figure* figure : {&pair.tree, &pair.expansion}) {
+          add_nats(data, {p, s, figure == &pair.expansion, cross, figure->scored}, figure->uniform.value,
+                   figure->mass_part.value, figure->spread_part.value, figure->gain.value);
+        }
+      }
+    }
   }
   return data;
 }

@@ -39,6 +39,17 @@ struct CostData {
     std::vector<Improvement> improvements = {};  ///< its paths, each shorter than those before
     double improvement_checks = 0.0;             ///< part of `checks`: of an anytime planner, after its first path
   };
+  /// Nats above uniform of the root's samples, the means over a strategy's runs on a problem.
+  struct Nats {
+    std::size_t problem = 0;   ///< index into `problems`
+    std::size_t strategy = 0;  ///< index into `strategies`
+    bool proposals = false;    ///< of its proposals, else of its nodes
+    bool cross = false;        ///< on the paths of other seeds, else on each run's own
+    std::size_t runs = 0;      ///< that have a figure
+    double mass = 0.0;         ///< by mass; mass + spread = above
+    double spread = 0.0;       ///< by spread
+    double above = 0.0;        ///< uniform - SE
+  };
   std::vector<Problem> problems;
   std::vector<Strategy> strategies;
   std::vector<Run> runs;
@@ -46,6 +57,7 @@ struct CostData {
   /// Whether a strategy may have other options in each document, as steps that follow the size of the world. It then
   /// has the text of the first document.
   bool by_name = false;
+  std::vector<Nats> nats = {};  ///< of the scored ones; several of a problem and a strategy that several documents have
 
   /// Adds the runs of a document. Strategies of one name must be equal unless `by_name` is set.
   /// \throws Error that names the file, for another kind of document and for a run that was added before.
@@ -127,7 +139,7 @@ struct CostSummary {
 CostSummary summarise_costs(const CostData& data, const std::vector<CostComparison>& comparisons, std::size_t strategy,
                             CostRatio CostComparison::*quantity, std::optional<bool> tuned = {});
 
-/// Returns text for a terminal: each strategy over all problems.
+/// Returns text for a terminal: each strategy over all problems, and cost_correlation() where there is one.
 std::string costs_text(const CostData& data, const std::string& baseline, std::size_t width);
 /// Returns the complete comparison in Markdown. From "## Every figure" on, each problem and strategy has a row.
 std::string costs_markdown(const CostData& data, const std::string& baseline);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/table.hpp>
@@ -184,6 +185,7 @@ class Tables {
                     "that world.",
                     beside_parts_);
     }
+    correlation();
     out_.line("## World by world");
     out_.line(
         fmt::format("The reference is {}; its row has its medians. In brackets: the 99 % interval of the median by "
@@ -238,6 +240,17 @@ class Tables {
                 share_text(checks.solved, checks.runs), ratio_text(checks.median), worst_text(checks),
                 ratio_text(seconds.median), worst_text(seconds)});
     }
+    out_.end();
+  }
+
+  void correlation() {
+    const auto found = cost_correlation(data_, baseline_);
+    if (!found) return;
+    out_.line("## Rank correlation of efficiency and checks");
+    out_.line(escaped(correlation_explanation(*found, baseline_)));
+    const auto rows = correlation_rows(data_, baseline_);
+    out_.header({rows.front().begin(), rows.front().end()});
+    for (std::size_t i = 1; i < rows.size(); ++i) out_.row({rows[i].begin(), rows[i].end()});
     out_.end();
   }
 
@@ -348,8 +361,18 @@ std::string costs_text(const CostData& data, const std::string& baseline, std::s
     }
     table.add(std::move(cells));
   }
-  return fmt::format("costs divided by those of {}, {}, {}\n\n{}", baseline, plural(data.problems.size(), "problem"),
-                     plural(seeds_of(data), "seed"), table.text(width));
+  std::string text =
+      fmt::format("costs divided by those of {}, {}, {}\n\n{}", baseline, plural(data.problems.size(), "problem"),
+                  plural(seeds_of(data), "seed"), table.text(width));
+  if (const auto found = cost_correlation(data, baseline)) {
+    const auto rows = correlation_rows(data, baseline);
+    std::vector<Table::Column> headings;
+    for (const std::string& heading : rows.front()) headings.push_back({{heading}, "", true});
+    Table correlations(std::move(headings));
+    for (std::size_t i = 1; i < rows.size(); ++i) correlations.add({rows[i].begin(), rows[i].end()});
+    text += fmt::format("\n{}\n{}", wrap(correlation_explanation(*found, baseline), width), correlations.text(width));
+  }
+  return text;
 }
 
 std::string costs_markdown(const CostData& data, const std::string& baseline) {
