@@ -102,7 +102,7 @@ std::optional<CostCorrelation> cost_correlation(const CostData& data, const std:
 std::string correlation_text(const Interval& rho) {
   constexpr int decimals = 2;
   if (std::isnan(rho.value)) return "-";
-  const std::string value = fixed(rho.value, decimals, true);
+  std::string value = fixed(rho.value, decimals, true);
   if (std::isnan(rho.lo) || std::isnan(rho.hi)) return value;
   return fmt::format("{} [{}, {}]", value, fixed(rho.lo, decimals, true), fixed(rho.hi, decimals, true));
 }
