@@ -129,6 +129,7 @@ return experiment {
     { "holonomic", holonomic() >> kinodynamic_rrt {} },
     { "steer",     steer() >> kinodynamic_rrt {} },
     { "blossom",   blossom() >> kinodynamic_rrt {} },
+    { "unbound",   blossom() >> kinodynamic_rrt { bound = 0 } }, -- no planner beside it
   },
   seeds    = 10,
   baseline = "unguided",

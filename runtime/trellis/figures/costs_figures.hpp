@@ -15,8 +15,9 @@ namespace trellis {
 draw::Colour strategy_colour(const CostData& data, const std::string& baseline, std::size_t strategy);
 
 /// Draws the share of solved runs over their cost, a curve with a band for each strategy: checks and CPU time side by
-/// side, rows of a few strategies and the baseline. All panels of a quantity have one axis. None where no run found a
-/// path. \param style  the panels and the number of curves in each
+/// side, rows of a few strategies and the baseline. All panels of a quantity have one axis. None where no run found
+/// a path.
+/// \param style  the panels and the number of curves in each
 std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem,
                                            const FigureStyle& style = {});
 /// Draws the path length over time and checks, for the strategies that improve their path; none without such a
@@ -43,8 +44,8 @@ std::string sweep_name(std::size_t i);
 std::optional<draw::Figure> correlation_figure(const CostData& data, const std::string& baseline);
 
 /// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy;
-/// FOLDER/correlation; and for each problem FOLDER/PROBLEM/success and length. \throws Error where it cannot write a
-/// file.
+/// FOLDER/correlation; and for each problem FOLDER/PROBLEM/success and length.
+/// \throws Error where it cannot write a file.
 void write_cost_figures(const CostData& data, const std::string& baseline, const std::string& folder,
                         const FigureStyle& style = {});
 /// Draws success and length of each problem, and ratios and sweeps of each problem and, with several problems, of all;

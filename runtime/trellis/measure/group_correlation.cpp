@@ -79,17 +79,6 @@ Interval percentiles(double value, std::vector<double> resampled, std::size_t gr
 
 }  // namespace
 
-std::vector<double> ranks(std::span<const double> values) {
-  std::vector<double> result;
-  result.reserve(values.size());
-  for (const double v : values) {
-    const auto below = std::count_if(values.begin(), values.end(), [&](double w) { return w < v; });
-    const auto equal = std::count(values.begin(), values.end(), v);
-    result.push_back(static_cast<double>(below) + 0.5 * static_cast<double>(equal + 1));
-  }
-  return result;
-}
-
 GroupCorrelation group_rank_correlation(std::span<const PairGroup> groups, double confidence) {
   std::vector<Sums> sums;
   sums.reserve(groups.size());

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/measure/group_correlation.hpp>
 
 namespace trellis {
 
@@ -129,6 +128,17 @@ Paired paired(std::span<const double> a, std::span<const double> b, double confi
   }
   result.difference = student_interval(differences, confidence);
   result.sign_p = result.holm_p = sign_test(result.less, result.greater);
+  return result;
+}
+
+std::vector<double> ranks(std::span<const double> values) {
+  std::vector<double> result;
+  result.reserve(values.size());
+  for (const double v : values) {
+    const auto below = std::count_if(values.begin(), values.end(), [&](double w) { return w < v; });
+    const auto equal = std::count(values.begin(), values.end(), v);
+    result.push_back(static_cast<double>(below) + 0.5 * static_cast<double>(equal + 1));
+  }
   return result;
 }
 

@@ -55,6 +55,9 @@ struct Paired {
 /// Omits pairs with a NaN. \throws Error for lists of different lengths.
 Paired paired(std::span<const double> a, std::span<const double> b, double confidence = 0.95);
 
+/// Returns the rank of each value, from 1; ties share their mean rank. No value is NaN.
+std::vector<double> ranks(std::span<const double> values);
+
 /// Returns Spearman's rank correlation, in [-1, 1]; ties share their mean rank. Omits pairs with a NaN; NaN for fewer
 /// than three pairs, and where all values of a list are equal.
 /// \throws Error for lists of different lengths.

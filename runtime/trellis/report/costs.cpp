@@ -54,8 +54,8 @@ void add_nats(CostData& data, const Json& entry) {
   if (!problem || !strategy) return;
   for (const bool proposals : {false, true}) {
     for (const bool cross : {false, true}) {
-      const Json::json_pointer place(
-          fmt::format("/levels/0/measure/root/{}/{}", proposals ? "expansion" : "tree", cross ? "cross" : "self"));
+      const Json::json_pointer place = Json::json_pointer("/levels/0/measure") / "root" /
+                                       (proposals ? "expansion" : "tree") / (cross ? "cross" : "self");
       if (!entry.contains(place)) continue;
       const Json& figure = entry.at(place);
       const auto mean = [&](const char* name) {

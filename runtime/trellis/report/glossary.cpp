@@ -46,8 +46,8 @@ const std::vector<ReportTerm>& report_terms() {
       {"pays",
        "verdict: with the level the strategy costs less. × is the ratio of its validity checks to those without the "
        "level, the median over the seeds, with its 99 % interval; a difference counts at p < 0.05 in a sign test, "
-       "corrected by Holm over all verdicts of the report. <0.05: most runs without the level were ended at 20 times "
-       "the work"},
+       "corrected by Holm over all verdicts of the report. ×0: most runs without the level found no path, within the "
+       "planner's budget and 20 times the work"},
       {"costs", "verdict: with the level the strategy costs more; the ratio is above 1"},
       {"not shown",
        "verdict: the runs show neither. In brackets the number of seeds, and, where it is at most 1000, the number "

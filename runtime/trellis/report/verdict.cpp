@@ -124,11 +124,8 @@ std::string reason_of(const RunsSummary& summary, std::size_t level, bool less) 
   return shown(mass) ? "mass" : shown(spread) ? "spread" : "";
 }
 
-/// "0.31", "1.6", "<0.05" where the runs without the guide were cut off.
-std::string ratio_word(double ratio) {
-  if (ratio == 0.0) return fmt::format("<{:g}", 1.0 / most_left_out_work);
-  return std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "inf";
-}
+/// "0.31", "1.6"; "0" where most runs without the guide found no path, "inf" where most runs with it found none.
+std::string ratio_word(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "inf"; }
 
 bool has_level(const RunsSummary& summary, const std::string& key) {
   return std::any_of(summary.levels.begin(), summary.levels.end(),

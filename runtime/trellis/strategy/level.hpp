@@ -269,7 +269,7 @@ class LevelGuidance final : public Guidance {
   [[nodiscard]] double progress_checks() const { return instance_.checks_per_metre() * progress(); }
 
   /// Whether the unguided proposals of a tree, too, have a share while it has no path: they leave the place where its
-  /// guide is stuck. Those of a roadmap need not: the companion's extend nothing less.
+  /// guide is stuck. Samples of a roadmap serve wherever they are, and the companion draws uniform ones.
   [[nodiscard]] bool leaves_stuck_guide() const {
     const bool tree = !search_.parents.empty() && search_.parents.front() != no_node;
     return common_.bound > 0.0 && has_companion_ && tree && !has_path_;
