@@ -485,81 +485,56 @@ class OutcomeTable {
 class ScriptGuide;
 
 /// h of a user-defined guide: the most recent result of the script, which receives the outcomes.
-class ScriptHeuristic final : public Heuristic {
+class ScriptHeuristic final : public Wrapping<Heuristic, Heuristic> {
  public:
   ScriptHeuristic(ScriptGuide& guide, std::shared_ptr<const Calls> calls, std::unique_ptr<Heuristic> h,
                   const MotionModel* model)
-      : guide_(guide), calls_(std::move(calls)), h_(std::move(h)), table_(model) {}
+      : Wrapping(std::move(h)), guide_(guide), calls_(std::move(calls)), table_(model) {}
 
   Source sample(Stream& stream, MutableView out) override {
-    h_->sample(stream, out);
+    part()->sample(stream, out);
     return 0;
   }
-  void select_tree(TreeSide side) override {
-    side_ = side;
-    h_->select_tree(side);
-  }
-  [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return h_->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
-  [[nodiscard]] double progress() const override { return progress_ + h_->progress(); }
-  [[nodiscard]] double connected() const override { return h_->connected(); }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
-  void restart() override { h_->restart(); }
-  void found(double length) override { h_->found(length); }
-  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
-  void record(DensityRecord& record, double share) const override { h_->record(record, share); }
+  [[nodiscard]] double progress() const override { return progress_ + Wrapping::progress(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + Wrapping::epoch(); }
+  void record(DensityRecord& record, double share) const override { part()->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {calls_->definition().name}; }
   [[nodiscard]] bool stale() const override;
-  [[nodiscard]] Configurations lifted_path() const override { return h_->lifted_path(); }
+  [[nodiscard]] Configurations lifted_path() const override { return part()->lifted_path(); }
 
  private:
   ScriptGuide& guide_;
   std::shared_ptr<const Calls> calls_;
-  std::unique_ptr<Heuristic> h_;
   OutcomeTable table_;
   std::uint64_t epoch_ = 0;
   std::uint64_t reported_ = 0;  ///< number of reported outcomes
   double progress_ = 0.0;       ///< progress of earlier results
-  TreeSide side_ = TreeSide::start;
 };
 
 /// A distribution of the registry, with its guide.
-class OwnedHeuristic final : public Heuristic {
+class OwnedHeuristic final : public Wrapping<Heuristic, Heuristic> {
  public:
   OwnedHeuristic(std::unique_ptr<Guide> guide, Instance& instance)
-      : guide_(std::move(guide)), h_(guide_->heuristic(instance, nullptr, nullptr)) {}
-  void select_tree(TreeSide side) override { h_->select_tree(side); }
-  Source sample(Stream& stream, MutableView out) override { return h_->sample(stream, out); }
-  [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return h_->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
-  [[nodiscard]] double progress() const override { return h_->progress(); }
-  [[nodiscard]] double connected() const override { return h_->connected(); }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
-  [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
-  void record(DensityRecord& record, double share) const override { h_->record(record, share); }
+      : Wrapping(guide->heuristic(instance, nullptr, nullptr)), guide_(std::move(guide)) {}
+  ~OwnedHeuristic() override { replace(nullptr); }  // h may refer to its guide
+  OwnedHeuristic(const OwnedHeuristic&) = delete;
+  OwnedHeuristic& operator=(const OwnedHeuristic&) = delete;
+  Source sample(Stream& stream, MutableView out) override { return part()->sample(stream, out); }
+  void record(DensityRecord& record, double share) const override { part()->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override {
     guide_->learn(outcome);
-    h_->observe(outcome, mine);
+    Wrapping::observe(outcome, mine);
   }
   void restart() override {
     guide_->restart();
-    h_->restart();
+    Wrapping::restart();
   }
-  void found(double length) override { h_->found(length); }
-  [[nodiscard]] std::vector<std::string> sources() const override { return h_->sources(); }
-  [[nodiscard]] bool stale() const override { return h_->stale(); }
-  [[nodiscard]] Configurations lifted_path() const override { return h_->lifted_path(); }
+  [[nodiscard]] bool stale() const override { return part()->stale(); }
+  [[nodiscard]] Configurations lifted_path() const override { return part()->lifted_path(); }
 
  private:
   std::unique_ptr<Guide> guide_;
-  std::unique_ptr<Heuristic> h_;
 };
 
 class ScriptGuide final : public Guide {
@@ -626,9 +601,9 @@ class ScriptGuide final : public Guide {
 };
 
 void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
-  const bool was_stale = h_->stale();
-  h_->observe(outcome, mine);
-  if (!was_stale && !outcome.blocked_at.empty() && h_->stale()) guide_.refute(outcome.blocked_at);
+  const bool was_stale = part()->stale();
+  Wrapping::observe(outcome, mine);
+  if (!was_stale && !outcome.blocked_at.empty() && part()->stale()) guide_.refute(outcome.blocked_at);
   if (!calls_->has(Slot::observe)) return;
   ++reported_;
   std::optional<Returned> returned;
@@ -644,13 +619,12 @@ void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
       });
   if (!returned) return;
   epoch_ = epoch() + 1;
-  progress_ += h_->progress();
-  h_ = guide_.make(*returned);
-  h_->select_tree(side_);
+  progress_ += part()->progress();
+  replace(guide_.make(*returned));
 }
 
 bool ScriptHeuristic::stale() const {
-  if (h_->stale()) return true;
+  if (part()->stale()) return true;
   if (!calls_->has(Slot::stale)) return false;
   bool stale = false;
   calls_->ask(Slot::stale, {}, nullptr, [&](Stack& stack) {

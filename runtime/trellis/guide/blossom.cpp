@@ -58,15 +58,15 @@ struct Reported {
 };
 
 /// h over extensions along a path in S: the node, a point of the path ahead of it, and a control.
-class BlossomHeuristic final : public Heuristic {
+class BlossomHeuristic final : public Wrapping<Heuristic, Heuristic> {
  public:
   /// \param along  h without controls
   /// \param path  in S, at least two points
   BlossomHeuristic(Instance& parent, std::unique_ptr<Heuristic> along, std::shared_ptr<const AxisProjection> f,
                    const Configurations& path, const BlossomSettings& settings, const Reported& nodes)
-      : parent_(parent),
+      : Wrapping(std::move(along)),
+        parent_(parent),
         model_(parent.motion_model),
-        along_(std::move(along)),
         f_(std::move(f)),
         controls_(static_cast<std::size_t>(settings.controls)),
         share_(settings.share),
@@ -100,7 +100,7 @@ class BlossomHeuristic final : public Heuristic {
   Source sample(Stream& stream, MutableView out) override {
     aims_ = stream.uniform() < share_;
     if (!aims_) {
-      along_->sample(stream, out);
+      part()->sample(stream, out);
       return 1;
     }
     aim_ = choose(stream);
@@ -110,10 +110,10 @@ class BlossomHeuristic final : public Heuristic {
     f_->lift(std::as_const(centres_)[ahead], stream, out);
     return 0;
   }
-  [[nodiscard]] std::uint32_t vertex() const override { return aims_ ? nodes_[aim_].row : along_->vertex(); }
+  [[nodiscard]] std::uint32_t vertex() const override { return aims_ ? nodes_[aim_].row : Wrapping::vertex(); }
 
   std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    if (!aims_) return along_->draw_control(stream, query, control);
+    if (!aims_) return Wrapping::draw_control(stream, query, control);
     Node* const node = find(query.row, query.from);
     if (node == nullptr) return 0;
     node->row = query.row;
@@ -128,7 +128,7 @@ class BlossomHeuristic final : public Heuristic {
 
   void observe(const Outcome& outcome, bool mine) override {
     const bool aimed = mine && aims_;
-    along_->observe(outcome, mine && !aims_);
+    Wrapping::observe(outcome, mine);
     if (aimed) {
       if (Node* const node = find(outcome.near_row, outcome.near)) {
         ++node->extended;
@@ -142,25 +142,21 @@ class BlossomHeuristic final : public Heuristic {
   }
 
   void restart() override {
-    along_->restart();
+    Wrapping::restart();
     plant();
   }
-  void select_tree(TreeSide side) override { along_->select_tree(side); }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override { return along_->worth_connecting(from, to); }
-  [[nodiscard]] double progress() const override { return along_->progress(); }
-  [[nodiscard]] double connected() const override { return along_->connected(); }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return along_->edge_factor(a, b); }
-  void found(double length) override { along_->found(length); }
-  [[nodiscard]] std::uint64_t epoch() const override { return along_->epoch(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override { return part()->worth_connecting(from, to); }
   void record(DensityRecord& record, double share) const override {
     if (share_ > 0.0) record.add_unknown(share * share_);
-    if (share_ < 1.0) along_->record(record, share * (1.0 - share_));
+    if (share_ < 1.0) part()->record(record, share * (1.0 - share_));
   }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"blossom", "blossom: tube"}; }
-  [[nodiscard]] bool stale() const override { return along_->stale(); }
-  [[nodiscard]] Configurations lifted_path() const override { return along_->lifted_path(); }
+  [[nodiscard]] bool stale() const override { return part()->stale(); }
+  [[nodiscard]] Configurations lifted_path() const override { return part()->lifted_path(); }
 
  private:
+  [[nodiscard]] Guidance* drew_last() const override { return aims_ ? nullptr : part(); }
+
   struct Candidate {
     double cost = 0.0;
     std::uint32_t steps = 0;
@@ -283,7 +279,6 @@ class BlossomHeuristic final : public Heuristic {
 
   Instance& parent_;
   std::shared_ptr<const MotionModel> model_;
-  std::unique_ptr<Heuristic> along_;
   std::shared_ptr<const AxisProjection> f_;
   std::size_t controls_;
   double share_;

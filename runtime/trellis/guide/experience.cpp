@@ -75,7 +75,7 @@ double apart(const Space& space, View start, View goal, const Configurations& pa
 /// h along a retrieved path whose valid motions are verified in C. Its other motions are gaps. If a tree has reached
 /// one end of a gap, half of the proposals repair the gap by a local search towards its other end. They come from balls
 /// about the gap, which grow until the gap is closed.
-class RepairedPath final : public PathFollower {
+class RepairedPath final : public Wrapping<PathFollower, PathFollower> {
  public:
   /// \param gaps  indices of the first points of the motions to repair
   /// \param ends  share of a gap's proposals that are its far end
@@ -83,13 +83,13 @@ class RepairedPath final : public PathFollower {
   /// \param evidence  number of blocked proposals at one gap that refutes the path
   RepairedPath(const Instance& instance, std::unique_ptr<PathFollower> path, const std::vector<std::size_t>& gaps,
                double ends, double reach, std::int64_t evidence, const std::array<const ReachedIndex*, 2>& reached)
-      : space_(instance.space), path_(std::move(path)), ends_(ends), reach_(reach), evidence_(evidence) {
-    const Configurations points = path_->lifted_path();
+      : Wrapping(std::move(path)), space_(instance.space), ends_(ends), reach_(reach), evidence_(evidence) {
+    const Configurations points = part()->lifted_path();
     for (const std::size_t i : gaps) {
       Configurations motion(space_.dimension());
       motion.push(points[i]);
       motion.push(points[i + 1]);
-      const double least = std::max(path_->radius(), 0.5 * path_length(space_, motion));
+      const double least = std::max(part()->radius(), 0.5 * path_length(space_, motion));
       Gap& gap = gaps_.emplace_back(motion);
       for (std::size_t k = 0; k < sizes; ++k) {
         gap.kernels.emplace_back(space_, motion, least * std::exp2(0.5 * static_cast<double>(k)));
@@ -104,57 +104,43 @@ class RepairedPath final : public PathFollower {
   }
 
   void select_tree(TreeSide side) override {
-    path_->select_tree(side);
-    side_ = static_cast<std::size_t>(side);
+    Wrapping::select_tree(side);
     choose();
   }
   Source sample(Stream& stream, MutableView out) override {
     repairs_ = gap_ && stream.uniform() < share();
-    if (!repairs_) return path_->sample(stream, out);
+    if (!repairs_) return part()->sample(stream, out);
     if (ends_ > 0.0 && stream.uniform() < ends_) {
-      const View end = std::as_const(gaps_[*gap_].ends)[1 - side_];
+      const View end = std::as_const(gaps_[*gap_].ends)[1 - tree()];
       std::copy(end.begin(), end.end(), out.begin());
     } else {
       kernel().sample(stream, out);
     }
     return 0;
   }
-  [[nodiscard]] std::uint32_t vertex() const override { return repairs_ ? no_node : path_->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return repairs_ ? 0 : path_->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return repairs_ || path_->worth_connecting(from, to);
-  }
-  [[nodiscard]] double progress() const override { return path_->progress(); }
-  [[nodiscard]] double connected() const override { return path_->connected(); }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
-  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return changes_ + Wrapping::epoch(); }
   void record(DensityRecord& record, double of) const override {
-    path_->record(record, of * (1.0 - share()));
+    part()->record(record, of * (1.0 - share()));
     if (!gap_) return;
     record.add_atoms(of * share() * ends_);
     record.add(kernel().density(), of * share() * (1.0 - ends_));
   }
   void observe(const Outcome& outcome, bool mine) override {
-    path_->observe(outcome, mine && !repairs_);
-    if (path_->stale()) refute();
+    Wrapping::observe(outcome, mine);
+    if (part()->stale()) refute();
     if (!outcome.added.empty() && outcome.connected) note(outcome.added, outcome.from_goal ? 1 : 0);
     if (mine && gap_) {
       Gap& gap = gaps_[*gap_];
       const std::size_t before = size();
       ++gap.tries;
-      if (size() != before) ++epoch_;
+      if (size() != before) ++changes_;
       if (outcome.fate == Fate::rejected && !outcome.blocked_at.empty() && ++gap.blocked >= evidence_) refute();
     }
     choose();
   }
-  void restart() override { path_->restart(); }
-  void found(double length) override { path_->found(length); }
-  [[nodiscard]] std::vector<std::string> sources() const override { return path_->sources(); }
-  [[nodiscard]] Configurations lifted_path() const override { return path_->lifted_path(); }
-  [[nodiscard]] double radius() const override { return path_->radius(); }
-  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return path_->refuted_place(); }
+  [[nodiscard]] Configurations lifted_path() const override { return part()->lifted_path(); }
+  [[nodiscard]] double radius() const override { return part()->radius(); }
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return part()->refuted_place(); }
 
  private:
   static constexpr std::size_t sizes = 4;
@@ -168,6 +154,8 @@ class RepairedPath final : public PathFollower {
     std::int64_t blocked = 0;
   };
 
+  [[nodiscard]] Guidance* drew_last() const override { return repairs_ ? nullptr : part(); }
+  [[nodiscard]] std::size_t tree() const { return static_cast<std::size_t>(side()); }
   [[nodiscard]] double share() const { return gap_ ? 0.5 : 0.0; }
   [[nodiscard]] TubeKernel& kernel() { return gaps_[*gap_].kernels[size()]; }
   [[nodiscard]] const TubeKernel& kernel() const { return gaps_[*gap_].kernels[size()]; }
@@ -186,23 +174,21 @@ class RepairedPath final : public PathFollower {
   void choose() {
     std::optional<std::size_t> chosen;
     for (std::size_t k = 0; k < gaps_.size(); ++k) {
-      const std::size_t i = side_ == 0 ? k : gaps_.size() - 1 - k;
-      if (gaps_[i].has[side_][side_] && !gaps_[i].has[side_][1 - side_]) chosen = i;
+      const std::size_t i = tree() == 0 ? k : gaps_.size() - 1 - k;
+      if (gaps_[i].has[tree()][tree()] && !gaps_[i].has[tree()][1 - tree()]) chosen = i;
     }
-    if (chosen != gap_) ++epoch_;
+    if (chosen != gap_) ++changes_;
     gap_ = chosen;
   }
 
   Space space_;
-  std::unique_ptr<PathFollower> path_;
   double ends_;
   double reach_;
   std::int64_t evidence_;
   std::vector<Gap> gaps_;
   std::optional<std::size_t> gap_;  ///< gap that the current tree repairs
-  std::size_t side_ = 0;
-  bool repairs_ = false;  ///< the last proposal was drawn for the gap
-  std::uint64_t epoch_ = 0;
+  bool repairs_ = false;            ///< the last proposal was drawn for the gap
+  std::uint64_t changes_ = 0;       ///< number of changes of the gap and of its balls
 };
 
 /// The graph of the retrieved paths, with start and goals. Equal configurations share one vertex.

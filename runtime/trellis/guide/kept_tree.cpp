@@ -69,44 +69,43 @@ std::optional<KeptTree::Branch> KeptTree::next() {
 }
 
 TreeAndPath::TreeAndPath(std::shared_ptr<KeptTree> tree, std::unique_ptr<PathFollower> path)
-    : tree_(std::move(tree)), path_(std::move(path)) {
-  if (path_->stale()) refute();
+    : Wrapping(std::move(path)), tree_(std::move(tree)) {
+  if (part()->stale()) refute();
   look();
 }
 
 void TreeAndPath::select_tree(TreeSide side) {
-  side_ = side;
-  path_->select_tree(side);
+  Wrapping::select_tree(side);
   look();
 }
 
 Guidance::Source TreeAndPath::sample(Stream& stream, MutableView out) {
   branch_.reset();
   if (open_ && stream.uniform() < share_of_tree) branch_ = tree_->next();
-  if (!branch_) return path_->sample(stream, out);
+  if (!branch_) return part()->sample(stream, out);
   std::copy(branch_->node.begin(), branch_->node.end(), out.begin());
   return 0;
 }
 
 void TreeAndPath::record(DensityRecord& record, double of) const {
   record.add_atoms(of * share());
-  path_->record(record, of * (1.0 - share()));
+  part()->record(record, of * (1.0 - share()));
 }
 
 void TreeAndPath::observe(const Outcome& outcome, bool mine) {
-  path_->observe(outcome, mine && !branch_);
+  Wrapping::observe(outcome, mine);
   if (mine && outcome.fate == Fate::rejected && !outcome.blocked_at.empty()) blocked_ = true;
   if (mine) branch_.reset();
-  if (path_->progress() > progress_) blocked_ = false;
-  progress_ = path_->progress();
-  if (path_->stale()) refute();
+  if (part()->progress() > progress_) blocked_ = false;
+  progress_ = part()->progress();
+  if (part()->stale()) refute();
   look();
 }
 
 void TreeAndPath::look() {
   // The nodes in S belong to the tree from the start.
-  const bool open = blocked_ && side_ == TreeSide::start && tree_->any();
-  if (open != open_) ++epoch_;
+  const bool open = blocked_ && side() == TreeSide::start && tree_->any();
+  if (open != open_) ++changes_;
   open_ = open;
 }
 

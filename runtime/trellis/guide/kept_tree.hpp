@@ -65,46 +65,33 @@ class KeptTree {
 /// h of a path, combined with the tree in S. After one of its proposals was blocked, and until the next progress along
 /// the path, half of the proposals are nodes of the tree in S whose parents C contains. Extended from these parents,
 /// they add the branches that are valid in C to its tree.
-class TreeAndPath final : public PathFollower {
+class TreeAndPath final : public Wrapping<PathFollower, PathFollower> {
  public:
   TreeAndPath(std::shared_ptr<KeptTree> tree, std::unique_ptr<PathFollower> path);
 
   void select_tree(TreeSide side) override;
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] std::uint32_t vertex() const override { return branch_ ? branch_->from : path_->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return branch_ ? 0 : path_->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return branch_ || path_->worth_connecting(from, to);
-  }
-  [[nodiscard]] double progress() const override { return path_->progress(); }
-  [[nodiscard]] double connected() const override { return path_->connected(); }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
-  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
+  [[nodiscard]] std::uint32_t vertex() const override { return branch_ ? branch_->from : Wrapping::vertex(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return changes_ + Wrapping::epoch(); }
   void record(DensityRecord& record, double of) const override;
   void observe(const Outcome& outcome, bool mine) override;
-  void restart() override { path_->restart(); }
-  void found(double length) override { path_->found(length); }
-  [[nodiscard]] std::vector<std::string> sources() const override { return path_->sources(); }
-  [[nodiscard]] Configurations lifted_path() const override { return path_->lifted_path(); }
-  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return path_->refuted_place(); }
-  [[nodiscard]] double radius() const override { return path_->radius(); }
+  [[nodiscard]] Configurations lifted_path() const override { return part()->lifted_path(); }
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return part()->refuted_place(); }
+  [[nodiscard]] double radius() const override { return part()->radius(); }
 
  private:
+  [[nodiscard]] Guidance* drew_last() const override { return branch_ ? nullptr : part(); }
   static constexpr double share_of_tree = 0.5;
   [[nodiscard]] double share() const { return open_ ? share_of_tree : 0.0; }
   /// Updates whether the tree has a share of the proposals.
   void look();
 
   std::shared_ptr<KeptTree> tree_;
-  std::unique_ptr<PathFollower> path_;
   std::optional<KeptTree::Branch> branch_;  ///< the last proposal, if from the tree
-  TreeSide side_ = TreeSide::start;
-  bool blocked_ = false;  ///< a proposal was blocked since the last progress
+  bool blocked_ = false;                    ///< a proposal was blocked since the last progress
   double progress_ = 0.0;
-  bool open_ = false;  ///< the tree has a share
-  std::uint64_t epoch_ = 0;
+  bool open_ = false;          ///< the tree has a share
+  std::uint64_t changes_ = 0;  ///< number of changes of the share
 };
 
 }  // namespace trellis

@@ -246,18 +246,14 @@ Guidance::Source SeveralPaths::sample(Stream& stream, MutableView out) {
   return parts_[drawn_]->sample(stream, out);
 }
 
-std::uint64_t SeveralPaths::epoch() const {
-  std::uint64_t sum = epoch_;
-  for (const auto& part : parts_) sum += part->epoch();
-  return sum;
-}
+std::uint64_t SeveralPaths::epoch() const { return changes_ + Composed::epoch(); }
 
 void SeveralPaths::record(DensityRecord& record, double share) const {
   for (const std::size_t i : live_) parts_[i]->record(record, share / static_cast<double>(live_.size()));
 }
 
 void SeveralPaths::observe(const Outcome& outcome, bool mine) {
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  Composed::observe(outcome, mine);
   std::vector<std::size_t> live;
   live.reserve(live_.size());
   for (const std::size_t i : live_) {
@@ -267,20 +263,8 @@ void SeveralPaths::observe(const Outcome& outcome, bool mine) {
     refute();
   } else if (live.size() != live_.size()) {
     live_ = std::move(live);
-    ++epoch_;
+    ++changes_;
   }
-}
-
-double SeveralPaths::progress() const {
-  double sum = 0.0;
-  for (const auto& part : parts_) sum += part->progress();
-  return sum;
-}
-
-double SeveralPaths::connected() const {
-  double sum = 0.0;
-  for (const auto& part : parts_) sum += part->connected();
-  return sum;
 }
 
 std::optional<double> SeveralPaths::edge_factor(View a, View b) const {

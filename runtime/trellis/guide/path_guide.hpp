@@ -16,6 +16,7 @@
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/reached_nodes.hpp>
 #include <trellis/guide/relaxed.hpp>
+#include <trellis/planner/composed.hpp>
 
 namespace trellis {
 
@@ -245,32 +246,14 @@ class WaypointHeuristic final : public PathFollower {
 };
 
 /// h along several paths: each path that is not stale has an equal share.
-class SeveralPaths final : public PathFollower {
+class SeveralPaths final : public Composed<PathFollower> {
  public:
   /// \param parts  at least one
   explicit SeveralPaths(std::vector<std::unique_ptr<PathFollower>> parts);
 
-  void select_tree(TreeSide side) override {
-    for (auto& part : parts_) part->select_tree(side);
-  }
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_]->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return parts_[drawn_]->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return parts_[drawn_]->worth_connecting(from, to);
-  }
-  [[nodiscard]] double progress() const override;
-  [[nodiscard]] double connected() const override;
   /// The minimum over the active paths.
   [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override;
-  void restart() override {
-    for (auto& part : parts_) part->restart();
-  }
-  void found(double length) override {
-    for (auto& part : parts_) part->found(length);
-  }
   [[nodiscard]] std::optional<Configuration> refuted_place() const override;
   [[nodiscard]] std::uint64_t epoch() const override;
   void record(DensityRecord& record, double share) const override;
@@ -280,10 +263,14 @@ class SeveralPaths final : public PathFollower {
   [[nodiscard]] double radius() const override { return parts_.front()->radius(); }
 
  private:
+  [[nodiscard]] std::size_t part_count() const override { return parts_.size(); }
+  [[nodiscard]] Guidance* part_at(std::size_t i) const override { return parts_[i].get(); }
+  [[nodiscard]] Guidance* drew_last() const override { return parts_[drawn_].get(); }
+
   std::vector<std::unique_ptr<PathFollower>> parts_;
   std::vector<std::size_t> live_;  ///< paths that are not stale; never empty
   std::size_t drawn_ = 0;
-  std::uint64_t epoch_ = 0;
+  std::uint64_t changes_ = 0;  ///< number of changes of the active paths
 };
 
 /// Makes h along a path in C according to the settings.

@@ -151,48 +151,8 @@ Guidance::Source SumHeuristic::sample(Stream& stream, MutableView out) {
   return 0;
 }
 
-void SumHeuristic::select_tree(TreeSide side) {
-  for (Part& part : parts_) part.heuristic->select_tree(side);
-}
-
-double SumHeuristic::progress() const {
-  double sum = 0.0;
-  for (const Part& part : parts_) sum += part.heuristic->progress();
-  return sum;
-}
-
-double SumHeuristic::connected() const {
-  double sum = 0.0;
-  for (const Part& part : parts_) sum += part.heuristic->connected();
-  return sum;
-}
-
-std::optional<double> SumHeuristic::edge_factor(View a, View b) const {
-  std::optional<double> least;
-  for (const Part& part : parts_) least = least_factor(least, part.heuristic->edge_factor(a, b));
-  return least;
-}
-
-void SumHeuristic::restart() {
-  for (Part& part : parts_) part.heuristic->restart();
-}
-
-void SumHeuristic::found(double length) {
-  for (Part& part : parts_) part.heuristic->found(length);
-}
-
-std::uint64_t SumHeuristic::epoch() const {
-  std::uint64_t sum = 0;
-  for (const Part& part : parts_) sum += part.heuristic->epoch();
-  return sum;
-}
-
 void SumHeuristic::record(DensityRecord& record, double share) const {
   for (const Part& part : parts_) part.heuristic->record(record, share * part.weight);
-}
-
-void SumHeuristic::observe(const Outcome& outcome, bool mine) {
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].heuristic->observe(outcome, mine && i == drawn_);
 }
 
 bool SumHeuristic::stale() const {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/planner/composed.hpp>
 
 namespace trellis {
 
@@ -35,7 +35,7 @@ std::shared_ptr<const Piece> along(Configurations path, const Options& options);
 std::shared_ptr<const Piece> ball(Configuration centre, double radius);
 
 /// A weighted sum of heuristics. It is stale if one of them is.
-class SumHeuristic final : public Heuristic {
+class SumHeuristic final : public Composed<Heuristic> {
  public:
   struct Part {
     double weight = 1.0;
@@ -44,29 +44,17 @@ class SumHeuristic final : public Heuristic {
   /// \param parts  at least one
   SumHeuristic(std::string source, std::vector<Part> parts);
 
-  void select_tree(TreeSide side) override;
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_].heuristic->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return parts_[drawn_].heuristic->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return parts_[drawn_].heuristic->worth_connecting(from, to);
-  }
-  [[nodiscard]] double progress() const override;
-  [[nodiscard]] double connected() const override;
-  /// The minimum over the parts.
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override;
-  void restart() override;
-  void found(double length) override;
-  [[nodiscard]] std::uint64_t epoch() const override;
   void record(DensityRecord& record, double share) const override;
-  void observe(const Outcome& outcome, bool mine) override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
   [[nodiscard]] bool stale() const override;
   [[nodiscard]] Configurations lifted_path() const override;
 
  private:
+  [[nodiscard]] std::size_t part_count() const override { return parts_.size(); }
+  [[nodiscard]] Guidance* part_at(std::size_t i) const override { return parts_[i].heuristic.get(); }
+  [[nodiscard]] Guidance* drew_last() const override { return parts_[drawn_].heuristic.get(); }
+
   std::string source_;
   std::vector<Part> parts_;  ///< weights add up to 1
   std::size_t drawn_ = 0;

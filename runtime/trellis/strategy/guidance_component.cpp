@@ -22,10 +22,11 @@ namespace {
 
 /// The guidance of a component: f makes the level below, whose solution gives h. h draws samples, receives outcomes,
 /// and is made again after further solves.
-class ComponentGuidance final : public SearchedGuidance {
+class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
-      : run_(run),
+      : Wrapping(nullptr),
+        run_(run),
         parent_(parent),
         spec_(spec),
         number_(run.levels.size()),
@@ -45,6 +46,10 @@ class ComponentGuidance final : public SearchedGuidance {
     attach();
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
+
+  ~ComponentGuidance() override { replace(nullptr); }  // h may refer to its guide and to the level below
+  ComponentGuidance(const ComponentGuidance&) = delete;
+  ComponentGuidance& operator=(const ComponentGuidance&) = delete;
 
   /// The planner of the level below. A default planner must suit the instance: with a motion model it is kinodynamic,
   /// with the options that the guide sets for a guided search. It takes its lengths from the levels above.
@@ -71,15 +76,15 @@ class ComponentGuidance final : public SearchedGuidance {
 
   Advance prepare(const Slice& slice) override {
     // A changed world requires a further solve.
-    if (heuristic_ && level_ && parent_.instance().scene != projected_ && !std::exchange(renewing_, true)) {
+    if (part() != nullptr && level_ && parent_.instance().scene != projected_ && !std::exchange(renewing_, true)) {
       renewed_for_ = &Resolves::changed_world;
     }
     // Its turn came after new samples.
-    if (heuristic_ && again_ && !std::exchange(renewing_, true)) renewed_for_ = &Resolves::new_turn;
+    if (part() != nullptr && again_ && !std::exchange(renewing_, true)) renewed_for_ = &Resolves::new_turn;
     const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
     // A refuted h remains refuted, whatever has changed since.
-    if (heuristic_ && !renewing_ && outdated && !renewable()) make_heuristic();
-    if (heuristic_ && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
+    if (part() != nullptr && !renewing_ && outdated && !renewable()) make_heuristic();
+    if (part() != nullptr && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
     if (!level_) {
       make_heuristic();
       found_ = true;
@@ -87,7 +92,7 @@ class ComponentGuidance final : public SearchedGuidance {
     }
     const double begun = work_so_far();
     for (;;) {
-      if (heuristic_ && !renewing_) {
+      if (part() != nullptr && !renewing_) {
         renewing_ = true;
         renewed_for_ = refuted_by_;
         --resolves_left_;
@@ -111,7 +116,7 @@ class ComponentGuidance final : public SearchedGuidance {
       make_heuristic();
       counted_ = false;
       // A path with points that are invalid in C is refuted before any proposal.
-      if (!heuristic_->stale()) return advance;
+      if (!part()->stale()) return advance;
       ++refuted_;
       counted_ = true;
       if (!renewable()) {
@@ -122,69 +127,54 @@ class ComponentGuidance final : public SearchedGuidance {
   }
   [[nodiscard]] double work() const override { return level_ ? level_->work() : 0.0; }
   [[nodiscard]] std::uint64_t refuted() const override { return refuted_; }
-  [[nodiscard]] bool spent() const override { return heuristic_ && heuristic_->stale() && !renewable(); }
+  [[nodiscard]] bool spent() const override { return part() != nullptr && part()->stale() && !renewable(); }
   [[nodiscard]] bool searches() const override { return level_ != nullptr; }
 
-  void select_tree(TreeSide side) override {
-    side_ = side;
-    if (heuristic_) heuristic_->select_tree(side);
-  }
   /// h continues from the remaining nodes. Distributions of the registry (S = {0}) do not depend on nodes.
   void restart() override {
     guide_->restart();
-    if (!heuristic_) return;
-    lost_ = std::max(lost_, heuristic_->connected());
-    heuristic_->restart();
+    if (part() == nullptr) return;
+    lost_ = std::max(lost_, part()->connected());
+    Wrapping::restart();
     if (level_ || custom_) made_at_ = never;
   }
   [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
     if (parent_.instance().graph) return graph_factor(a, b);
-    return heuristic_ ? heuristic_->edge_factor(a, b) : 1.0;
+    return part() != nullptr ? Wrapping::edge_factor(a, b) : 1.0;
   }
   Source sample(Stream& stream, MutableView out) override {
-    heuristic_->sample(stream, out);
+    part()->sample(stream, out);
     return 0;
   }
-  [[nodiscard]] std::uint32_t vertex() const override { return heuristic_->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return heuristic_->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return !heuristic_ || heuristic_->worth_connecting(from, to);
-  }
-  [[nodiscard]] double progress() const override { return progress_ + (heuristic_ ? heuristic_->progress() : 0.0); }
-  [[nodiscard]] std::uint64_t epoch() const override { return heuristic_ ? epoch_ + heuristic_->epoch() : epoch_; }
+  [[nodiscard]] double progress() const override { return progress_ + Wrapping::progress(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + Wrapping::epoch(); }
   void record(DensityRecord& record, double share) const override {
-    if (!heuristic_) throw Fault("a guide that was not prepared has drawn nothing to record");
-    heuristic_->record(record, share);
+    if (part() == nullptr) throw Fault("a guide that was not prepared has drawn nothing to record");
+    part()->record(record, share);
   }
 
   void observe(const Outcome& outcome, bool mine) override {
     if (known_) remember(outcome, mine);
     guide_->learn(outcome);
-    if (!heuristic_) return;
-    heuristic_->observe(outcome, mine);
+    if (part() == nullptr) return;
+    Wrapping::observe(outcome, mine);
     count_refutation(&Resolves::rejections);
   }
 
   void lost(View place) override {
     guide_->avoid(place);
-    if (heuristic_) count_refutation(&Resolves::lost_place);
+    if (part() != nullptr) count_refutation(&Resolves::lost_place);
   }
 
   void found_invalid(View q) override {
-    if (!heuristic_ || renewing_) return;
+    if (part() == nullptr || renewing_) return;
     guide_->found_invalid(q);
     count_refutation(&Resolves::presumed_valid);
   }
 
-  void found(double length) override {
-    if (heuristic_) heuristic_->found(length);
-  }
-
   [[nodiscard]] std::vector<std::string> sources() const override { return {name_}; }
   [[nodiscard]] Configurations guiding_path() const override {
-    return heuristic_ ? heuristic_->lifted_path() : Configurations{};
+    return part() != nullptr ? part()->lifted_path() : Configurations{};
   }
 
   [[nodiscard]] Configurations refuted_places() const override { return guide_->refuted_places(); }
@@ -216,14 +206,14 @@ class ComponentGuidance final : public SearchedGuidance {
 
   /// The factor of an edge of an explicit graph: the whole path weighs it.
   [[nodiscard]] std::optional<double> graph_factor(View a, View b) const {
-    if (!heuristic_ || renewing_ || heuristic_->stale()) return std::nullopt;
-    if (!along_) along_.emplace(parent_.instance(), heuristic_->lifted_path());
+    if (part() == nullptr || renewing_ || part()->stale()) return std::nullopt;
+    if (!along_) along_.emplace(parent_.instance(), part()->lifted_path());
     return along_->empty() ? std::nullopt : std::optional(along_->factor(a, b));
   }
 
   /// \param reason  the kind of report that the heuristic just received
   void count_refutation(Reason reason) {
-    if (!heuristic_->stale()) return;
+    if (!part()->stale()) return;
     if (!std::exchange(stale_, true)) refuted_by_ = reason;
     if (!std::exchange(counted_, true)) ++refuted_;
     if (!renewable()) note_limit();
@@ -272,16 +262,15 @@ class ComponentGuidance final : public SearchedGuidance {
     const Solution* found = level_ ? &level_->solution() : nullptr;
     epoch_ = epoch() + 1;
     const Instance* sub = level_ ? &level_->instance() : nullptr;
-    if (heuristic_) progress_ += heuristic_->progress();
+    if (part() != nullptr) progress_ += part()->progress();
     made_at_ = parent_.instance().epoch();
     if (level_) guide_->searched(level_->record().search);
     along_.reset();
-    heuristic_ = located([&] { return guide_->heuristic(parent_.instance(), sub, found); });
-    heuristic_->select_tree(side_);
+    replace(located([&] { return guide_->heuristic(parent_.instance(), sub, found); }));
     // The remaining nodes keep their progress; the rest has to be earned again.
     const double lost = std::exchange(lost_, 0.0);
-    if (lost > 0.0) progress_ -= std::max(0.0, lost - heuristic_->connected());
-    stale_ = heuristic_->stale();
+    if (lost > 0.0) progress_ -= std::max(0.0, lost - part()->connected());
+    stale_ = part()->stale();
     if (stale_) refuted_by_ = &Resolves::invalid_path;
   }
   /// Reports to the guide of S the places that S excluded, and configurations presumed valid that are invalid.
@@ -343,7 +332,7 @@ class ComponentGuidance final : public SearchedGuidance {
   }
 
   /// Whether h was refuted and S may be solved again.
-  [[nodiscard]] bool renewable() const { return heuristic_->stale() && (renewing_ || resolves_left_ > 0); }
+  [[nodiscard]] bool renewable() const { return part()->stale() && (renewing_ || resolves_left_ > 0); }
 
   /// Solves the instance in S for as many paths as the guide requests.
   Advance search(const Slice& slice) {
@@ -373,7 +362,6 @@ class ComponentGuidance final : public SearchedGuidance {
   bool custom_ = false;  ///< not in the registry
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
-  std::unique_ptr<Heuristic> heuristic_;
   mutable std::optional<AlongPath> along_;                             ///< h's path, if it weighs a graph
   std::optional<Known> known_;                                         ///< if f depends on it
   std::size_t proposals_ = 0;                                          ///< of C, when the last outcome was received
@@ -382,8 +370,7 @@ class ComponentGuidance final : public SearchedGuidance {
   std::uint64_t epoch_ = 0;                                            ///< without that of the heuristic
   std::shared_ptr<const Scene> projected_ = parent_.instance().scene;  ///< the scene that f was applied to
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t made_at_ = never;  ///< epoch of the parent's instance when h was made
-  TreeSide side_ = TreeSide::start;
+  std::uint64_t made_at_ = never;     ///< epoch of the parent's instance when h was made
   double lost_ = 0.0;                 ///< length connected along h before nodes were removed
   double progress_ = 0.0;             ///< along earlier heuristics
   Advance first_ = Advance::nothing;  ///< result of the search for the first path

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <trellis/guide/custom.hpp>
+#include <trellis/planner/composed.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/informed_path.hpp>
@@ -360,7 +361,7 @@ class LevelGuidance final : public Guidance {
 };
 
 /// A level's guidance that calls the run's `watch` after each sample.
-class WatchedGuidance final : public Guidance {
+class WatchedGuidance final : public Composed<Guidance> {
  public:
   WatchedGuidance(const Run& run, const LevelRecord& level, Guidance& h) : run_(run), level_(level), h_(h) {}
   Source sample(Stream& stream, MutableView out) override {
@@ -368,22 +369,13 @@ class WatchedGuidance final : public Guidance {
     run_.watch(level_, h_);
     return source;
   }
-  void select_tree(TreeSide side) override { h_.select_tree(side); }
-  void restart() override { h_.restart(); }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return h_.edge_factor(a, b); }
-  [[nodiscard]] std::uint32_t vertex() const override { return h_.vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return h_.draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_.worth_connecting(from, to); }
-  [[nodiscard]] double progress() const override { return h_.progress(); }
-  [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
   void record(DensityRecord& record, double share) const override { h_.record(record, share); }
-  void observe(const Outcome& outcome, bool mine) override { h_.observe(outcome, mine); }
-  void found(double length) override { h_.found(length); }
-  [[nodiscard]] std::vector<std::string> sources() const override { return h_.sources(); }
 
  private:
+  [[nodiscard]] std::size_t part_count() const override { return 1; }
+  [[nodiscard]] Guidance* part_at(std::size_t) const override { return &h_; }
+  [[nodiscard]] Guidance* drew_last() const override { return &h_; }
+
   const Run& run_;
   const LevelRecord& level_;
   Guidance& h_;

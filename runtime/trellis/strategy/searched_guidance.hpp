@@ -13,7 +13,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/instance/instance.hpp>
-#include <trellis/planner/guidance.hpp>
+#include <trellis/planner/composed.hpp>
 #include <trellis/strategy/spec.hpp>
 
 namespace trellis {
@@ -79,43 +79,14 @@ class SearchedGuidance : public Guidance {
 };
 
 /// Shared by combinators: several parts, of which one draws each proposal.
-class PartsGuidance : public SearchedGuidance {
+class PartsGuidance : public Composed<SearchedGuidance> {
  public:
   explicit PartsGuidance(std::vector<std::unique_ptr<SearchedGuidance>> parts) : parts_(std::move(parts)) {
+    std::size_t count = 0;
     for (const auto& part : parts_) {
-      first_source_.push_back(static_cast<Source>(sources_.size()));
-      for (auto& name : part->sources()) sources_.push_back(std::move(name));
+      first_source_.push_back(static_cast<Source>(count));
+      count += part->sources().size();
     }
-  }
-  void observe(const Outcome& outcome, bool mine) override {
-    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
-  }
-  void found(double length) override {
-    for (auto& part : parts_) part->found(length);
-  }
-  void select_tree(TreeSide side) override {
-    for (auto& part : parts_) part->select_tree(side);
-  }
-  void restart() override {
-    for (auto& part : parts_) part->restart();
-  }
-  /// The minimum over the parts.
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
-    std::optional<double> least;
-    for (const auto& part : parts_) least = least_factor(least, part->edge_factor(a, b));
-    return least;
-  }
-  [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_]->vertex(); }
-  std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) override {
-    return parts_[drawn_]->draw_control(stream, query, control);
-  }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return parts_[drawn_]->worth_connecting(from, to);
-  }
-  [[nodiscard]] double progress() const override {
-    double sum = 0.0;
-    for (const auto& part : parts_) sum += part->progress();
-    return sum;
   }
   [[nodiscard]] double work() const override {
     double sum = 0.0;
@@ -136,12 +107,6 @@ class PartsGuidance : public SearchedGuidance {
   [[nodiscard]] bool searches() const override {
     return std::any_of(parts_.begin(), parts_.end(), [](const auto& part) { return part->searches(); });
   }
-  [[nodiscard]] std::uint64_t epoch() const override {
-    std::uint64_t sum = 0;
-    for (const auto& part : parts_) sum += part->epoch();
-    return sum;
-  }
-  [[nodiscard]] std::vector<std::string> sources() const override { return sources_; }
   [[nodiscard]] Configurations refuted_places() const override {
     Configurations all;
     for (const auto& part : parts_) {
@@ -186,12 +151,15 @@ class PartsGuidance : public SearchedGuidance {
     return static_cast<Source>(first_source_[drawn_] + parts_[drawn_]->sample(stream, out));
   }
 
+  [[nodiscard]] std::size_t part_count() const override { return parts_.size(); }
+  [[nodiscard]] Guidance* part_at(std::size_t i) const override { return parts_[i].get(); }
+  [[nodiscard]] Guidance* drew_last() const override { return parts_[drawn_].get(); }
+
   std::vector<std::unique_ptr<SearchedGuidance>> parts_;
   std::size_t drawn_ = 0;
 
  private:
   std::vector<Source> first_source_;
-  std::vector<std::string> sources_;
 };
 
 /// These functions combine guides. A mixture's weights are those of its terms.
