@@ -537,7 +537,7 @@ class OwnedHeuristic final : public Wrapping<Heuristic, Heuristic> {
   std::unique_ptr<Guide> guide_;
 };
 
-class ScriptGuide final : public Guide {
+class ScriptGuide final : public Guide, public Repairs {
  public:
   ScriptGuide(std::shared_ptr<const Calls> calls, const GuideSite& site)
       : calls_(std::move(calls)), checking_(site.seed, site.key, "check lift") {}
@@ -545,6 +545,7 @@ class ScriptGuide final : public Guide {
   std::unique_ptr<Instance> project(const Instance& parent) override;
   [[nodiscard]] bool uses_known() const override { return calls_->definition().uses_known(); }
   std::unique_ptr<Instance> project_from(const Instance& parent, const Known& known) override;
+  Repairs& repairs() override { return *this; }
   void attach(Instance& sub) override { sub_ = &sub; }
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }

@@ -57,9 +57,9 @@ Work work(const std::string& name, const std::vector<Options::Entry>& given, con
   w.guide->attach(*w.sub);
   w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false});
   Budget budget = planner.common(options).budget;
-  budget.proposals = std::min(budget.proposals, w.guide->effort());
+  budget.proposals = std::min(budget.proposals, w.guide->repairs().effort(false));
   w.found = w.planner->solve(budget);
-  while (const std::int64_t more = w.guide->another(w.found.solved() ? &w.found : nullptr)) {
+  while (const std::int64_t more = w.guide->repairs().another(w.found.solved() ? &w.found : nullptr)) {
     budget.proposals = static_cast<double>(w.search.proposals.size()) + static_cast<double>(more);
     w.found = w.planner->solve(budget);
   }
@@ -205,7 +205,7 @@ TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][d
   block(w, {4.5, 1.75, 0.5});
   CHECK(w.parent->checks.validity == spent);
   CHECK_FALSE(w.h->stale());
-  w.guide->before_resolve();
+  w.guide->repairs().before_resolve();
   CHECK(w.sub->valid(in_second));
   // Where the path runs into the first one it comes back, alone.
   Configuration q(3);
@@ -218,7 +218,7 @@ TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][d
   }
   CHECK(w.h->stale());
   CHECK(w.parent->checks.validity > spent);  // finding the blocking obstacles counts in C
-  w.guide->before_resolve();
+  w.guide->repairs().before_resolve();
   CHECK_FALSE(w.sub->valid(in_first));
   CHECK(w.sub->valid(in_second));
 }
@@ -234,16 +234,16 @@ TEST_CASE("what is presumed valid and found invalid at one place, time and again
     const View there = std::as_const(path)[path.size() / 2];
     const Configuration place(there.begin(), there.end());
     const Configuration elsewhere(path[1].begin(), path[1].end());
-    w.guide->found_invalid(elsewhere);
-    for (int i = 0; i < 4; ++i) w.guide->found_invalid(place);
+    w.guide->repairs().found_invalid(elsewhere);
+    for (int i = 0; i < 4; ++i) w.guide->repairs().found_invalid(place);
     CHECK_FALSE(w.h->stale());
-    w.guide->found_invalid(place);
+    w.guide->repairs().found_invalid(place);
     CHECK(w.h->stale());
-    const Configurations refuted = w.guide->refuted_places();
+    const Configurations refuted = w.guide->repairs().refuted_places();
     REQUIRE(refuted.size() == 1);
     CHECK(std::hypot(refuted[0][0] - place[0], refuted[0][1] - place[1]) < 1e-9);
     // Another search in S finds another path, or none, and clears the counts.
-    w.guide->before_resolve();
+    w.guide->repairs().before_resolve();
     if (!w.sub->graph) CHECK_FALSE(w.sub->valid(place));
   }
 }

@@ -181,7 +181,7 @@ TEST_CASE("what is found invalid makes leads through it costly", "[guide][decomp
     outcome.blocked_at = blocked;
     lead.h->observe(outcome, true);
   }
-  lead.guide->before_resolve();
+  lead.guide->repairs().before_resolve();
   lead.solve();
   CHECK((highest(lead.found.path) > 8.5) != above);
 }
@@ -191,9 +191,9 @@ TEST_CASE("a place that another guide refuted ends a lead through its cell, and 
   const Problem problem = two_passages();
   Lead lead(problem, {{"random_leads", 0.0}, {"size", 1.0}});
   const bool above = highest(lead.found.path) > 8.5;
-  lead.guide->avoid(Configuration{5, above ? 0.5 : 9.5, 0});
+  lead.guide->repairs().avoid(Configuration{5, above ? 0.5 : 9.5, 0});
   CHECK_FALSE(lead.h->stale());
-  lead.guide->avoid(Configuration{5, 5, 0});  // within the wall
+  lead.guide->repairs().avoid(Configuration{5, 5, 0});  // within the wall
   CHECK_FALSE(lead.h->stale());
   // Each cell of the passage in turn: the refuted place on the other side counts once.
   for (int i = 0; i < 20 && (highest(lead.found.path) > 8.5) == above; ++i) {
@@ -201,9 +201,9 @@ TEST_CASE("a place that another guide refuted ends a lead through its cell, and 
     std::size_t at = 0;
     while (at < path.size() && !(path[at][0] > 4 && path[at][0] < 6)) ++at;
     REQUIRE(at < path.size());
-    lead.guide->avoid(Configuration{path[at][0], path[at][1], 0});
+    lead.guide->repairs().avoid(Configuration{path[at][0], path[at][1], 0});
     REQUIRE(lead.h->stale());
-    lead.guide->before_resolve();
+    lead.guide->repairs().before_resolve();
     lead.solve();
     CHECK_FALSE(lead.h->stale());
   }
@@ -216,10 +216,10 @@ TEST_CASE("configurations that a level above found invalid make leads through th
   const bool above = highest(lead.found.path) > 8.5;
   Stream stream(4, "", "invalid");
   for (int i = 0; i < 4000; ++i) {
-    lead.guide->found_invalid(
+    lead.guide->repairs().found_invalid(
         Configuration{stream.uniform(4, 6), above ? stream.uniform(8.5, 10) : stream.uniform(0, 2), 0});
   }
-  lead.guide->before_resolve();
+  lead.guide->repairs().before_resolve();
   lead.solve();
   CHECK((highest(lead.found.path) > 8.5) != above);
 }

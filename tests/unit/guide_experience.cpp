@@ -67,7 +67,7 @@ struct Retrieved {
   void solve() {
     const Budget budget;
     found = planner->solve(budget);
-    while (guide->another(found.solved() ? &found : nullptr) > 0) found = planner->solve(budget);
+    while (guide->repairs().another(found.solved() ? &found : nullptr) > 0) found = planner->solve(budget);
     h = guide->heuristic(*parent, sub.get(), &found);
   }
 };
@@ -310,7 +310,7 @@ TEST_CASE("a path without progress of the planner is replaced by another one", "
   REQUIRE(farthest(r.sub->space, r.h->lifted_path(), path_of(under)) < 0.3);
   int tries = 0;
   while (farthest(r.sub->space, r.h->lifted_path(), path_of(over)) > 0.3 && tries < 10) {
-    r.guide->before_resolve();
+    r.guide->repairs().before_resolve();
     r.solve();
     ++tries;
   }
@@ -388,7 +388,7 @@ TEST_CASE("a gap that stays open refutes the path, which is no candidate any mor
     const Configurations first = r.h->lifted_path();
     for (int i = 0; i < 200 && !r.h->stale(); ++i) block(r, query.start);
     REQUIRE(r.h->stale());
-    r.guide->before_resolve();
+    r.guide->repairs().before_resolve();
     r.solve();
     CHECK_FALSE(r.h->stale());
     return farthest(query.space, r.h->lifted_path(), first);

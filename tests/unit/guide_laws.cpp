@@ -89,10 +89,10 @@ Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed =
   s.ends_valid = s.sub->valid(s.sub->start) && s.sub->valid(s.sub->goal());
   s.guide->attach(*s.sub);
   Budget budget = planner.common(options).budget;
-  budget.proposals = std::min({budget.proposals, proposals, s.guide->effort()});
+  budget.proposals = std::min({budget.proposals, proposals, s.guide->repairs().effort(false)});
   const auto search_planner = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false});
   s.found = search_planner->solve(budget);
-  while (const std::int64_t more = s.guide->another(s.found.solved() ? &s.found : nullptr)) {
+  while (const std::int64_t more = s.guide->repairs().another(s.found.solved() ? &s.found : nullptr)) {
     budget.proposals = static_cast<double>(search.proposals.size()) + static_cast<double>(more);
     s.found = search_planner->solve(budget);
   }

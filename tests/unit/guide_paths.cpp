@@ -59,7 +59,7 @@ Work work(const std::string& name, const std::vector<Options::Entry>& given, con
       w.found = std::move(found);
       w.paths.push_back(w.found.path);
     }
-    return w.guide->another(solved ? &w.found : nullptr);
+    return w.guide->repairs().another(solved ? &w.found : nullptr);
   };
   const Budget budget = planner.common(options).budget;
   std::int64_t more = solve(budget);
@@ -268,8 +268,8 @@ TEST_CASE("where there is no second path the search for it ends with its budget,
   REQUIRE(w.paths.size() == 1);
   CHECK(dynamic_cast<StepHeuristic*>(w.h.get()) != nullptr);
   // A resumed search searches for as many again.
-  CHECK(w.guide->another(&w.found) == 300);
-  CHECK(w.guide->another(nullptr) == 0);
+  CHECK(w.guide->repairs().another(&w.found) == 300);
+  CHECK(w.guide->repairs().another(nullptr) == 0);
 }
 
 TEST_CASE("excluded balls are what brute force says", "[guide][paths]") {

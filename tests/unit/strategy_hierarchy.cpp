@@ -63,22 +63,14 @@ class UniformDraws final : public Heuristic {
   UniformGuidance uniform_;
 };
 
-/// S = {0}.
-class Bias : public Guide {
- public:
-  std::unique_ptr<Instance> project(const Instance&) override { return nullptr; }
-  void project(View, MutableView) const override {}
-  void lift(View, Stream&, MutableView) const override {}
-  [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
-};
-class Garbage final : public Bias {
+class Garbage final : public SamplingGuide {
  public:
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     return std::make_unique<UniformDraws>(parent.space);
   }
 };
 /// The goal itself, whatever is in between: a path through all walls.
-class ThroughWalls final : public Bias {
+class ThroughWalls final : public SamplingGuide {
  public:
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     return std::make_unique<PointHeuristic>(parent.goal());

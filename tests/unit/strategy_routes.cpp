@@ -147,18 +147,9 @@ class Forced final : public Guide, public SpendsParentsChecks {
     if (followed_.empty()) followed_ = h->lifted_path();
     return h;
   }
-  void searched(const Search& search) override { guide_->searched(search); }
-  [[nodiscard]] double effort() const override { return guide_->effort(); }
-  [[nodiscard]] double effort_again() const override { return guide_->effort_again(); }
-  [[nodiscard]] Configurations refuted_places() const override { return guide_->refuted_places(); }
-  void avoid(View place) override { guide_->avoid(place); }
-  Configurations take_lost_places() override { return guide_->take_lost_places(); }
-  void found_invalid(View q) override { guide_->found_invalid(q); }
-  Configurations take_found_invalid() override { return guide_->take_found_invalid(); }
   void learn(const Outcome& outcome) override { guide_->learn(outcome); }
   void restart() override { guide_->restart(); }
-  void before_resolve() override { guide_->before_resolve(); }
-  void no_other_path() override { guide_->no_other_path(); }
+  Repairs& repairs() override { return guide_->repairs(); }
 
  private:
   std::unique_ptr<Guide> guide_;

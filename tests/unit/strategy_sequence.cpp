@@ -98,10 +98,11 @@ struct Applications {
 
 /// A guide whose S is a graph of the samples of C: start, goal, and each sample, each connected to the start and the
 /// goal. h is uniform, and stale after three rejections.
-class SampleGraph final : public Guide {
+class SampleGraph final : public Guide, public Repairs {
  public:
   explicit SampleGraph(Applications& applications) : applications_(applications) {}
   std::unique_ptr<Instance> project(const Instance&) override { throw Fault("f needs what is known"); }
+  Repairs& repairs() override { return *this; }
   [[nodiscard]] bool uses_known() const override { return true; }
   std::unique_ptr<Instance> project_from(const Instance& parent, const Known& known) override {
     auto sub = std::make_unique<Instance>(parent);
@@ -344,18 +345,18 @@ TEST_CASE("a space leaves out what evidence refuted in the space before it", "[s
     auto sub = made->project(*parent);
     made->attach(*sub);
     REQUIRE(sub->valid(place));
-    CHECK(made->refuted_places().empty());
+    CHECK(made->repairs().refuted_places().empty());
     const auto before = sub->epoch();
-    made->avoid(place);
+    made->repairs().avoid(place);
     CHECK_FALSE(sub->valid(place));
     CHECK(sub->epoch() > before);
     // It says so to the next one; and twice is once.
-    CHECK(made->refuted_places().size() == 1);
+    CHECK(made->repairs().refuted_places().size() == 1);
     const auto once = sub->epoch();
-    made->avoid(place);
+    made->repairs().avoid(place);
     CHECK(sub->epoch() == once);
     // The start stays valid.
-    made->avoid(problem.start);
+    made->repairs().avoid(problem.start);
     CHECK(sub->valid(problem.start));
   }
 }
@@ -392,24 +393,24 @@ TEST_CASE("a graph of positions goes round what another space's evidence refuted
     const auto h = made->heuristic(*parent, sub.get(), &found);
     CHECK_FALSE(h->stale());
     // A place beside the path refutes nothing.
-    made->avoid(Configuration{9.9, 0.1, 0});
+    made->repairs().avoid(Configuration{9.9, 0.1, 0});
     CHECK_FALSE(h->stale());
     CHECK(height() < 8.0);
-    made->take_lost_places();
-    const std::size_t before = made->refuted_places().size();
+    made->repairs().take_lost_places();
+    const std::size_t before = made->repairs().refuted_places().size();
     const auto revision = sub->graph->revision;
-    made->avoid(Configuration{5, 5, 0});
+    made->repairs().avoid(Configuration{5, 5, 0});
     CHECK(h->stale());
     CHECK(sub->graph->revision > revision);
     // It says so to the next guide of C and to the guide of S; and twice is once.
-    CHECK(made->refuted_places().size() == before + 1);
-    const Configurations lost = made->take_lost_places();
+    CHECK(made->repairs().refuted_places().size() == before + 1);
+    const Configurations lost = made->repairs().take_lost_places();
     REQUIRE(lost.size() == 1);
     CHECK(std::ranges::equal(lost.front(), Configuration{5, 5}));
     const auto once = sub->graph->revision;
-    made->avoid(Configuration{5, 5, 0});
+    made->repairs().avoid(Configuration{5, 5, 0});
     CHECK(sub->graph->revision == once);
-    made->before_resolve();
+    made->repairs().before_resolve();
     CHECK(height() > 8.5);
   }
 }
@@ -422,8 +423,8 @@ TEST_CASE("a planner that ignores the grid has no place left out", "[strategy][s
   const auto sub = made->project(*parent);
   made->attach(*sub);
   sub->graph = nullptr;
-  made->avoid(Configuration{5, 5, 0});
-  CHECK(made->refuted_places().empty());
+  made->repairs().avoid(Configuration{5, 5, 0});
+  CHECK(made->repairs().refuted_places().empty());
 }
 
 TEST_CASE("h of a space that is searched late continues from the state of the search", "[strategy][sequence]") {

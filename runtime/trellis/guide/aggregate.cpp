@@ -61,7 +61,9 @@ class Aggregate final : public PathGuide {
     PathGuide::attach(sub);
     sub_ = &sub;
   }
-  [[nodiscard]] double effort() const override { return static_cast<double>(settings_.effort); }
+  [[nodiscard]] double effort(bool again) const override {
+    return again ? PathGuide::effort(again) : static_cast<double>(settings_.effort);
+  }
 
   /// Refines the hulls if S has no path.
   std::int64_t another(const Solution* found) override {

@@ -6,23 +6,16 @@
 #include <string>
 #include <utility>
 
-#include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
 
 namespace trellis {
 
 /// A guide with S = {0} whose h is a function of the parent's instance.
 template <class Make, class Check>
-class Bias final : public Guide {
+class Bias final : public SamplingGuide {
  public:
   Bias(Make make, Check check) : make_(std::move(make)), check_(std::move(check)) {}
-  std::unique_ptr<Instance> project(const Instance& parent) override {
-    check_(parent);
-    return nullptr;
-  }
-  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
+  void prepare(const Instance& parent) override { check_(parent); }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     return make_(parent);
   }

@@ -504,7 +504,7 @@ class LeadHeuristic final : public Heuristic {
   Configuration position_;
 };
 
-class DecompositionGuide final : public Guide {
+class DecompositionGuide final : public Guide, public Repairs {
  public:
   explicit DecompositionGuide(const DecompositionSettings& settings) : settings_(settings) {}
 
@@ -531,6 +531,7 @@ class DecompositionGuide final : public Guide {
     return instance;
   }
 
+  Repairs& repairs() override { return *this; }
   void project(View q, MutableView s) const override { decomposition_->projection.project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { decomposition_->projection.lift(s, stream, q); }
   [[nodiscard]] double log_fibre_density(View q) const override {

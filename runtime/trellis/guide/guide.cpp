@@ -8,6 +8,16 @@
 
 namespace trellis {
 
+Repairs& Guide::repairs() {
+  static class : public Repairs {
+  } none;
+  return none;
+}
+
+void SamplingGuide::project(View, MutableView) const { throw Fault("S = {0} has no coordinates"); }
+void SamplingGuide::lift(View, Stream&, MutableView) const { throw Fault("S = {0} has no coordinates"); }
+double SamplingGuide::log_fibre_density(View) const { throw Fault("S = {0} has no coordinates"); }
+
 const std::vector<GuideKind>& guide_kinds() {
   static const std::vector<GuideKind> kinds = {uniform_kind(),       goal_bias_kind(),      gaussian_kind(),
                                                bridge_test_kind(),   obstacle_based_kind(), medial_axis_kind(),

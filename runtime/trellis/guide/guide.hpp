@@ -49,8 +49,73 @@ struct Known {
   [[nodiscard]] bool has_new() const { return samples.size() > new_from; }
 };
 
+/// How a guide whose space is searched responds to evidence against its path: what it excludes from S before S is
+/// solved again, and which further paths it asks for. By default it does nothing, and S is solved as it is.
+class Repairs {
+ public:
+  virtual ~Repairs() = default;
+
+  /// The maximum number of proposals for a path in S, within the budget of the search.
+  /// \param again  whether S is solved again after h was refuted
+  [[nodiscard]] virtual double effort(bool again) const {
+    static_cast<void>(again);
+    return Budget::unlimited;
+  }
+  /// Called after each solve of S, before `searched`. Lets a guide request another path; it may change S so that the
+  /// next path differs.
+  /// \param found  the path just found; nullptr if there is none
+  /// \return the maximum number of proposals for the next path; 0 for none
+  virtual std::int64_t another(const Solution* found) {
+    static_cast<void>(found);
+    return 0;
+  }
+  /// Called before `Guide::heuristic`. The reference is valid during the call only.
+  /// \param search  the nodes of the search of S and their parents, over all solves
+  virtual void searched(const Search& search) { static_cast<void>(search); }
+  /// Called with a place that another guide of C refuted, or that C excluded because a level above refuted it. The
+  /// guide may exclude the place from S, and treats a path through it as refuted.
+  virtual void avoid(View place) { static_cast<void>(place); }
+  /// Called with each configuration found invalid in a C that presumes validity. The guide refutes a path that
+  /// repeatedly leads there.
+  virtual void found_invalid(View q) { static_cast<void>(q); }
+  /// Called when h is stale, before S is solved again. The guide may change S here.
+  virtual void before_resolve() {}
+  /// Called when a search for another path found none. h continues along the earlier path, if any, and is no longer
+  /// stale.
+  virtual void no_other_path() {}
+  /// Places of C at which evidence shows that a path in S has no counterpart in C.
+  [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
+  /// Returns and clears the places that S has excluded since the last call, for the guide of the search of S.
+  virtual Configurations take_lost_places() { return {}; }
+  /// Returns and clears the configurations found invalid since the last call, in an S that presumes validity.
+  virtual Configurations take_found_invalid() { return {}; }
+
+ protected:
+  Repairs() = default;
+  Repairs(const Repairs&) = default;
+  Repairs& operator=(const Repairs&) = default;
+};
+
 /// A guiding space (f, h) for one instance in C. It lives as long as the run; its space may be solved many times.
 /// Parameters q have the dimension of C, parameters s that of S; neither is checked.
+///
+/// The executor calls it in this order:
+///
+///     sub = project(parent)                  nullptr: S = {0}
+///     attach(sub)
+///     once the planner in C asks h for a proposal:
+///       repeat
+///         S is solved                        project(q, s) for the nodes of C, lift for those of S
+///         repairs().searched
+///         h = heuristic(parent, sub, found)
+///         for each proposal, until h is stale:
+///           h.select_tree, h.sample          the planner extends a node; it may ask h.vertex, h.draw_control, and
+///                                            h.worth_connecting
+///           learn(outcome), h.observe(outcome, mine)
+///         repairs().before_resolve           S is solved again, as often as the option `resolves` allows
+///
+/// `learn` receives the outcomes of every guide of C. After the planner removed nodes, `restart` is called, and the
+/// remaining nodes are learnt anew. A guide with S = {0} needs `heuristic` alone.
 class Guide {
  public:
   virtual ~Guide() = default;
@@ -58,9 +123,32 @@ class Guide {
   /// f of the whole instance, with all its goals (project_ends): the instance in S; nullptr if S = {0}. Called again
   /// after the parent's world changed; the guide keeps what it has learned.
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
-  /// Whether f depends on what is known about C. Then `project_from` is called in place of the function above, and
-  /// again before S is solved again because h is stale, and when the guide's turn in a sequence or a schedule comes
-  /// after new samples.
+  /// f of one configuration. Not called where S = {0}.
+  virtual void project(View q, MutableView s) const = 0;
+  /// Draws a configuration of C uniformly from the fibre of s: project(lift(s)) = s. Not called where S = {0}.
+  virtual void lift(View s, Stream& stream, MutableView q) const = 0;
+  /// log of the density of `lift` at q, given s = f(q). A density over S at f(q) times this factor is the density of
+  /// the lifted configuration at q, each with respect to volume in its own space's metric coordinates. 0 if S has the
+  /// axes and weights of C; with other weights, the log of the Jacobian. Not called if S = {0}.
+  [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
+  /// Makes h, the distribution over C, from the instance in S and the solution of its search. Called after every solve;
+  /// keeps those observations that still apply. If S = {0}, `sub` and `found` are nullptr. A heuristic that checks
+  /// validity (as the bridge test does) spends the parent's checks.
+  virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
+
+  /// Called with every outcome in C. The guide may use it to change S before the next solve.
+  virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
+  /// Called when the planner in C removed nodes. The remaining nodes are then passed to `learn` again.
+  virtual void restart() {}
+  /// What it does with evidence against its path. The reference is valid as long as the guide.
+  virtual Repairs& repairs();
+  /// Passes the object that owns the instance made by `project` from now on.
+  virtual void attach(Instance& sub) { static_cast<void>(sub); }
+  /// Whether log_fibre_density is known and gives the density of lifted samples for any density over S.
+  [[nodiscard]] virtual bool closed_fibre() const { return true; }
+  /// Whether f depends on what is known about C. Then `project_from` is called in place of `project`, and again before
+  /// S is solved again because h is stale, and when the guide's turn in a sequence or a schedule comes after new
+  /// samples.
   [[nodiscard]] virtual bool uses_known() const { return false; }
   /// f of the whole instance, made of what is known. The space S must be the same each time; world, robot, validity and
   /// graph may differ.
@@ -69,58 +157,22 @@ class Guide {
     static_cast<void>(known);
     return project(parent);
   }
-  /// Passes the object that owns the instance made by `project` from now on.
-  virtual void attach(Instance& sub) { static_cast<void>(sub); }
-  /// f of one configuration. Not called where S = {0}.
-  virtual void project(View q, MutableView s) const = 0;
-  /// Draws a configuration of C uniformly from the fibre of s: project(lift(s)) = s.
-  virtual void lift(View s, Stream& stream, MutableView q) const = 0;
-  /// log of the density of `lift` at q, given s = f(q). A density over S at f(q) times this factor is the density of
-  /// the lifted configuration at q, each with respect to volume in its own space's metric coordinates. 0 if S has the
-  /// axes and weights of C; with other weights, the log of the Jacobian. Not called if S = {0}.
-  [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
-  /// Whether log_fibre_density is known and gives the density of lifted samples for any density over S.
-  [[nodiscard]] virtual bool closed_fibre() const { return true; }
-  /// Makes h, the distribution over C, from the instance in S and the solution of its search. Called after every solve;
-  /// keeps those observations that still apply. If S = {0}, `sub` and `found` are nullptr. A heuristic that checks
-  /// validity (as the bridge test does) spends the parent's checks.
-  virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
-  /// Called before `heuristic` if S was searched. The reference is valid during the call only.
-  /// \param search  the nodes of the search and their parents, over all solves
-  virtual void searched(const Search& search) { static_cast<void>(search); }
-  /// The maximum number of proposals for the first path in S, within the budget of the search.
-  [[nodiscard]] virtual double effort() const { return Budget::unlimited; }
-  /// The same for a further solve, after h was refuted.
-  [[nodiscard]] virtual double effort_again() const { return effort(); }
-  /// Called after each solve of S, before `heuristic`. Lets a guide request another path; it may change S so that the
-  /// next path differs.
-  /// \param found  the path just found; nullptr if there is none
-  /// \return the maximum number of proposals for the next path; 0 for none
-  virtual std::int64_t another(const Solution* found) {
-    static_cast<void>(found);
-    return 0;
+};
+
+/// A guide with S = {0}: nothing is projected.
+class SamplingGuide : public Guide {
+ public:
+  /// Prepares for an instance.
+  /// \throws Error if the guide does not apply to it
+  virtual void prepare(const Instance& parent) { static_cast<void>(parent); }
+
+  std::unique_ptr<Instance> project(const Instance& parent) final {
+    prepare(parent);
+    return nullptr;
   }
-  /// Places of C at which evidence shows that a path in S has no counterpart in C.
-  [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
-  /// Called with a place that another guide of C refuted, or that C excluded because a level above refuted it. The
-  /// guide may exclude the place from S, and treats a path through it as refuted.
-  virtual void avoid(View place) { static_cast<void>(place); }
-  /// Returns and clears the places that S has excluded since the last call, for the guide of the search of S.
-  virtual Configurations take_lost_places() { return {}; }
-  /// Called with each configuration found invalid in a C that presumes validity. The guide refutes a path that
-  /// repeatedly leads there.
-  virtual void found_invalid(View q) { static_cast<void>(q); }
-  /// Returns and clears the configurations found invalid since the last call, in an S that presumes validity.
-  virtual Configurations take_found_invalid() { return {}; }
-  /// Called with every outcome in C. The guide may use it to change S before the next solve.
-  virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
-  /// Called when the planner in C removed nodes. The remaining nodes are then passed to `learn` again.
-  virtual void restart() {}
-  /// Called when h is stale, before the instance in S is solved again. The guide may change the instance here.
-  virtual void before_resolve() {}
-  /// Called when a search for another path found none. h continues along the earlier path, if any, and is no longer
-  /// stale.
-  virtual void no_other_path() {}
+  void project(View q, MutableView s) const final;
+  void lift(View s, Stream& stream, MutableView q) const final;
+  [[nodiscard]] double log_fibre_density(View q) const final;
 };
 
 /// A kind of guide: its description and its factory.

@@ -94,21 +94,17 @@ class LearnedHeuristic final : public Heuristic {
   std::shared_ptr<const CellDensity> cells_;
 };
 
-class Learned final : public Guide {
+class Learned final : public SamplingGuide {
  public:
   explicit Learned(LearnedSettings settings) : settings_(std::move(settings)) {}
 
-  std::unique_ptr<Instance> project(const Instance& parent) override {
+  void prepare(const Instance& parent) override {
     if (parent.position_axes.size() != 2) {
       throw Error(fmt::format("learned: needs {}; this space ({}) has no position",
                               to_string(GuideClaims::Needs::position_axes), parent.space.name()));
     }
     model_ = known_model(settings_.model);
-    return nullptr;
   }
-  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     if (!model_) return std::make_unique<UniformHeuristic>("learned (no model)", parent.space);

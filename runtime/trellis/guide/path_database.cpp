@@ -376,11 +376,11 @@ class PathDatabaseHeuristic final : public Heuristic {
   std::uint64_t epoch_ = 0;
 };
 
-class PathDatabaseGuide final : public Guide {
+class PathDatabaseGuide final : public SamplingGuide {
  public:
   explicit PathDatabaseGuide(PathDatabaseSettings settings) : settings_(std::move(settings)) {}
 
-  std::unique_ptr<Instance> project(const Instance& parent) override {
+  void prepare(const Instance& parent) override {
     library_ = known_paths(settings_.db);
     const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
     database_ = std::make_shared<PathDatabase>(parent, step_length(parent), radius, settings_.repair);
@@ -400,11 +400,7 @@ class PathDatabaseGuide final : public Guide {
     found.resize(std::min(found.size(), static_cast<std::size_t>(settings_.candidates)));
     for (const auto& one : found) database_->add(one.second->path);
     if (!database_->empty()) database_->finish();
-    return nullptr;
   }
-  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     if (database_->empty()) return std::make_unique<UniformHeuristic>("path_database (no path)", parent.space);

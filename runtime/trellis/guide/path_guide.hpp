@@ -294,11 +294,12 @@ class UniformHeuristic final : public Heuristic {
 };
 
 /// A guide with S = C as metric spaces: f is the identity on configurations.
-class PathGuide : public Guide {
+class PathGuide : public Guide, public Repairs {
  public:
   PathGuide(std::string name, const PathGuideSettings& settings) : name_(std::move(name)), path_settings_(settings) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) final;
+  Repairs& repairs() final { return *this; }
   void attach(Instance& sub) override { sub_ = &sub; }
   void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
   void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
@@ -308,7 +309,9 @@ class PathGuide : public Guide {
   void restart() override;
   void searched(const Search& search) override;
   std::int64_t another(const Solution* found) override;
-  [[nodiscard]] double effort_again() const override { return static_cast<double>(path_settings_.effort); }
+  [[nodiscard]] double effort(bool again) const override {
+    return again ? static_cast<double>(path_settings_.effort) : Budget::unlimited;
+  }
   /// Excludes the refuted place from the next path in S.
   void before_resolve() override;
   void no_other_path() override { only_path_ = true; }

@@ -30,13 +30,9 @@ void require_in(const Space& space, View q, const std::string& what) {
 }
 
 /// A piece as a guide.
-class PieceGuide final : public Guide {
+class PieceGuide final : public SamplingGuide {
  public:
   explicit PieceGuide(const Piece& piece) : piece_(piece) {}
-  std::unique_ptr<Instance> project(const Instance&) override { return nullptr; }
-  void project(View, MutableView) const override { throw Fault("S = {0} has no projection"); }
-  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no fibres"); }
-  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no fibres"); }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     if (!reached_) reached_.emplace(parent.space, parent.start);
     return piece_.over(parent, *reached_);

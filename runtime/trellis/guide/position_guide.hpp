@@ -21,8 +21,9 @@ namespace trellis {
 /// f: the position of the robot. h follows the path found in S, lifted to configurations of C, or is another one of the
 /// derived class. Evidence in C, places that other guides of C refuted, and places that C itself lost increase the cost
 /// of the graph's edges there; then the graph is searched again.
-class PositionGuide : public Guide {
+class PositionGuide : public Guide, public Repairs {
  public:
+  Repairs& repairs() final { return *this; }
   void attach(Instance& sub) override { point_ = &sub; }
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }

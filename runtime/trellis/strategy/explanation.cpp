@@ -86,9 +86,9 @@ GuideExplanation explained(const GuideSpec& spec, const std::string& key, const 
   }
   const auto found = levels.find(key);
   if (spec.kind() != GuideSpec::Kind::component || found == levels.end()) return guide;
-  const Guide& f = *found->second->projection();
-  guide.effort = f.effort();
-  guide.effort_again = f.effort_again();
+  Guide& f = *found->second->projection();
+  guide.effort = f.repairs().effort(false);
+  guide.effort_again = f.repairs().effort(true);
   guide.validates_edges = dynamic_cast<const SpendsParentsChecks*>(&f) != nullptr;
   LevelExplanation level = explained(*found->second, spec.below(), spec.planner_given(), levels);
   level.inherited = inherited_lengths(spec, level.planner);

@@ -96,7 +96,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
         renewing_ = true;
         renewed_for_ = refuted_by_;
         --resolves_left_;
-        guide_->before_resolve();
+        guide_->repairs().before_resolve();
         again_ = known_.has_value();
       }
       if (!std::exchange(searched_, true)) again_ = known_ && known_->has_new();
@@ -110,7 +110,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
       // Without another path, further solves are useless, except with new samples; the earlier path may still guide.
       if (again && !found_ && renewed_for_ != &Resolves::new_turn) {
         resolves_left_ = 0;
-        guide_->no_other_path();
+        guide_->repairs().no_other_path();
         level_->resolves().exhausted = true;
       }
       make_heuristic();
@@ -162,13 +162,13 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   }
 
   void lost(View place) override {
-    guide_->avoid(place);
+    guide_->repairs().avoid(place);
     if (part() != nullptr) count_refutation(&Resolves::lost_place);
   }
 
   void found_invalid(View q) override {
     if (part() == nullptr || renewing_) return;
-    guide_->found_invalid(q);
+    guide_->repairs().found_invalid(q);
     count_refutation(&Resolves::presumed_valid);
   }
 
@@ -177,7 +177,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     return part() != nullptr ? part()->lifted_path() : Configurations{};
   }
 
-  [[nodiscard]] Configurations refuted_places() const override { return guide_->refuted_places(); }
+  [[nodiscard]] Configurations refuted_places() const override { return guide_->repairs().refuted_places(); }
   void add_paths(std::vector<Known::Path>& paths) const override {
     Configurations path = guiding_path();
     if (!path.empty()) paths.push_back({name_, std::move(path)});
@@ -264,7 +264,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     const Instance* sub = level_ ? &level_->instance() : nullptr;
     if (part() != nullptr) progress_ += part()->progress();
     made_at_ = parent_.instance().epoch();
-    if (level_) guide_->searched(level_->record().search);
+    if (level_) guide_->repairs().searched(level_->record().search);
     along_.reset();
     replace(located([&] { return guide_->heuristic(parent_.instance(), sub, found); }));
     // The remaining nodes keep their progress; the rest has to be earned again.
@@ -275,9 +275,9 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   }
   /// Reports to the guide of S the places that S excluded, and configurations presumed valid that are invalid.
   void tell() {
-    const Configurations lost = guide_->take_lost_places();
+    const Configurations lost = guide_->repairs().take_lost_places();
     for (std::size_t i = 0; i < lost.size(); ++i) level_->guidance().lost(lost[i]);
-    const Configurations invalid = guide_->take_found_invalid();
+    const Configurations invalid = guide_->repairs().take_found_invalid();
     for (std::size_t i = 0; i < invalid.size(); ++i) level_->guidance().found_invalid(invalid[i]);
   }
 
@@ -338,17 +338,17 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   Advance search(const Slice& slice) {
     const double begun = level_->work();
     if (more_ == 0) {
-      first_ = level_->advance(renewing_ ? guide_->effort_again() : guide_->effort(), slice);
+      first_ = level_->advance(guide_->repairs().effort(renewing_), slice);
       if (first_ == Advance::unfinished) return first_;
       if (renewing_) ++(level_->resolves().*renewed_for_);
-      more_ = guide_->another(level_->found() ? &level_->solution() : nullptr);
+      more_ = guide_->repairs().another(level_->found() ? &level_->solution() : nullptr);
     }
     while (more_ > 0) {
       const Slice left{slice.proposals, slice.work - (level_->work() - begun)};
       if (left.work <= 0.0) return Advance::unfinished;
       if (level_->advance(static_cast<double>(more_), left) == Advance::unfinished) return Advance::unfinished;
       ++level_->resolves().further_path;
-      more_ = guide_->another(level_->found() ? &level_->solution() : nullptr);
+      more_ = guide_->repairs().another(level_->found() ? &level_->solution() : nullptr);
     }
     return first_;
   }

@@ -41,7 +41,7 @@ void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
 }
 
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
-             const PlannerSpec& planner, std::shared_ptr<const Guide> lift)
+             const PlannerSpec& planner, std::shared_ptr<Guide> lift)
     : run_(run),
       parent_(parent),
       lift_(std::move(lift)),
@@ -94,6 +94,7 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
 }
 
 Advance Level::advance(double proposals, const Slice& slice) {
+  ++run_.searches;
   double* above = run_.clock.switch_to(&record_.search.seconds);
   if (run_.active_level != nullptr) run_.active_level->pause();
   Level* asking = std::exchange(run_.active_level, this);
@@ -148,11 +149,14 @@ void Level::begin_solve(double proposals, const Slice& slice) {
                           .prepare = [this]() -> std::optional<Status> {
                             if (run_.before_step && run_.before_step()) return Status::interrupted;
                             if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
+                            const std::uint64_t searches = run_.searches;
+                            const double worked = own_work();
                             guidance_.prepare();
                             // The run may have ended while the levels below were searched.
-                            if (run_.before_step && run_.before_step()) return Status::interrupted;
+                            const bool searched = run_.searches != searches || own_work() != worked;
+                            if (searched && run_.before_step && run_.before_step()) return Status::interrupted;
                             if (run_.interrupted && run_.interrupted()) return Status::interrupted;
-                            if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
+                            if (searched && run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
                             const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
                             return pauses ? std::optional(Status::paused) : std::nullopt;
                           },

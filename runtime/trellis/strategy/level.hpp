@@ -51,6 +51,7 @@ struct Run {
   std::vector<Level*> levels;  ///< in order of their numbers
   std::vector<Turn> turns;
   Level* active_level = nullptr;
+  std::uint64_t searches = 0;             ///< slices of searches of levels below others, begun
   int first_solves = 0;                   ///< number of levels whose first solve has ended
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
   double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
@@ -386,7 +387,7 @@ class Level {
  public:
   /// \param lift  the guide that made the instance from the parent's; nullptr at the root
   Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
-        const PlannerSpec& planner, std::shared_ptr<const Guide> lift);
+        const PlannerSpec& planner, std::shared_ptr<Guide> lift);
 
   void guide_by(const GuideSpec& spec) {
     guide_spec_ = spec;
@@ -462,7 +463,7 @@ class Level {
   /// The options of its planner that the level itself uses.
   [[nodiscard]] const PlannerCommon& common() const { return common_; }
   /// The guide that made its instance from the parent's; nullptr at the root.
-  [[nodiscard]] const Guide* projection() const { return lift_.get(); }
+  [[nodiscard]] Guide* projection() const { return lift_.get(); }
   /// The best solution of all solves.
   [[nodiscard]] const Solution& solution() const { return record_.solution; }
 
@@ -488,7 +489,7 @@ class Level {
 
   Run& run_;
   Level* parent_;
-  std::shared_ptr<const Guide> lift_;
+  std::shared_ptr<Guide> lift_;
   std::unique_ptr<Instance> instance_;
   const PlannerKind& kind_;
   PlannerSpec planner_spec_;

@@ -263,7 +263,7 @@ class SplitSearch final : public Planner {
   PlannerSpec planner_;
   const GuideSpec* guide_;
   SplitSettings settings_;
-  std::shared_ptr<const Guide> lift_;
+  std::shared_ptr<Guide> lift_;
   std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken after the run
   std::unique_ptr<Planner> undivided_;          ///< after the last try
   Budget budget_;                               ///< of this solve
