@@ -12,7 +12,7 @@ foreach(path IN LISTS MODULES)
 endforeach()
 file(WRITE ${OUTPUT}.new "// SPDX-License-Identifier: GPL-3.0-or-later
 // Generated from stdlib/*.lua.
-#include <dsl/language/stdlib.hpp>
+#include <dsl/language/core/stdlib.hpp>
 
 namespace trellis::dsl {
 

@@ -12,10 +12,10 @@
 #include <string_view>
 #include <utility>
 
-#include <dsl/language/modules.hpp>
-#include <dsl/language/problem.hpp>
-#include <dsl/language/session.hpp>
-#include <dsl/language/stdlib.hpp>
+#include <dsl/language/core/stdlib.hpp>
+#include <dsl/language/tools/session.hpp>
+#include <dsl/language/words/modules.hpp>
+#include <dsl/language/words/problem.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
 #include <trellis/instance/instance.hpp>

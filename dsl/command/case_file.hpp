@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/base/configurations.hpp>
 #include <trellis/measure/target.hpp>
 #include <trellis/space/space.hpp>

@@ -6,7 +6,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
-#include <dsl/command/outputs.hpp>
+#include <dsl/command/store/outputs.hpp>
 
 namespace trellis::command {
 

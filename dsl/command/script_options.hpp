@@ -5,7 +5,7 @@
 #include <optional>
 
 #include <dsl/command/command_line.hpp>
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 
 namespace trellis::command {
 

@@ -8,7 +8,7 @@
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
-#include <dsl/command/outputs.hpp>
+#include <dsl/command/store/outputs.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/program.hpp>

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <tuple>
 
-#include <dsl/language/session.hpp>
-#include <dsl/language/stdlib.hpp>
+#include <dsl/language/core/stdlib.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/testing.hpp>

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace {

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/level.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The CSV files of `trellis measure`.
-#include <dsl/command/csv.hpp>
+#include <dsl/command/store/csv.hpp>
 
 #include "fuzz.hpp"
 

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <vector>
 
-#include <dsl/language/session.hpp>
-#include <dsl/language/words.hpp>
+#include <dsl/language/tools/session.hpp>
+#include <dsl/language/tools/words.hpp>
 #include <trellis/strategy/executor.hpp>
 
 #include "fuzz.hpp"

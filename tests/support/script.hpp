@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
 
 namespace trellis::test {

@@ -6,8 +6,8 @@
 
 #include "support/catch.hpp"
 
-#include <dsl/language/completion.hpp>
-#include <dsl/language/words.hpp>
+#include <dsl/language/tools/completion.hpp>
+#include <dsl/language/tools/words.hpp>
 
 using namespace trellis;
 using Words = std::vector<std::string>;

@@ -12,8 +12,8 @@
 #include "support/folder.hpp"
 #include "support/script.hpp"
 
-#include <dsl/language/vocabulary.hpp>
-#include <dsl/language/words.hpp>
+#include <dsl/language/tools/vocabulary.hpp>
+#include <dsl/language/tools/words.hpp>
 #include <trellis/report/table.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/registry.hpp>

@@ -3,7 +3,7 @@
 #include <regex>
 #include <string>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
 
 #include "support/cases.hpp"

@@ -14,10 +14,10 @@
 #include "support/catch.hpp"
 #include "support/script.hpp"
 
-#include <dsl/language/catalogue.hpp>
-#include <dsl/language/reference.hpp>
-#include <dsl/language/vocabulary.hpp>
-#include <dsl/language/words.hpp>
+#include <dsl/language/tools/catalogue.hpp>
+#include <dsl/language/tools/reference.hpp>
+#include <dsl/language/tools/vocabulary.hpp>
+#include <dsl/language/tools/words.hpp>
 #include <dsl/lua/state.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/strategy/combinators.hpp>

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include <dsl/language/session.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/executor.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tokens of Lua texts.
-#include <dsl/language/tokens.hpp>
+#include <dsl/language/core/tokens.hpp>
 #include <string>
 #include <vector>
 

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/store/resume.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/report/records.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/stored_scores.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* runs_file = "runs.jsonl";
+constexpr const char* scores_file = "scores.jsonl";
+
+RunKey key_of(const RunResult& run) { return {utf8(run.problem), utf8(run.strategy), run.seed}; }
+// No strategy has an empty name: these records are of a whole problem.
+RunKey pooled_key(const std::string& problem) { return {utf8(problem), "", 0}; }
+RunKey figures_key(const std::string& problem) { return {utf8(problem), "", 1}; }
+
+using Files = std::map<std::string, fs::file_time_type>;
+
+/// The files of a folder and of its folders, relative to it, with the times of their last change.
+Files files_in(const std::string& folder) {
+  Files files;
+  std::error_code ignored;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, ignored)) {
+    if (!entry.is_regular_file(ignored)) continue;
+    files[entry.path().lexically_relative(folder).string()] = entry.last_write_time(ignored);
+  }
+  return files;
+}
+
+}  // namespace
+
+Resume::Resume(std::string folder, const Manifest& manifest, bool restart, bool others)
+    : folder_(std::move(folder)),
+      runs_(folder_, runs_file, restart),
+      scores_(folder_, scores_file, restart),
+      others_(others) {
+  if (restart || !Manifest::exists(folder_)) {
+    attempt([&] { manifest.write(folder_); });
+  }
+}
+
+void Resume::attempt(const std::function<void()>& write) {
+  {
+    const std::scoped_lock lock(failing_);
+    if (failure_) return;
+  }
+  try {
+    write();
+  } catch (const Error& error) {
+    if (!others_) throw;
+    const std::scoped_lock lock(failing_);
+    if (!failure_) failure_ = error;
+  }
+}
+
+void Resume::planned(RunResult& run) {
+  const RunKey key = key_of(run);
+  const auto stored = runs_.find(key);
+  if (!stored) {
+    attempt([&] { runs_.append(key, run_line(run)); });
+    return;
+  }
+  restore_times(run, *stored);
+  if (equal_but_for_scores(*stored, run_line(run))) return;
+  throw Error(fmt::format(
+      "{}: {} differs from its record when it is planned again; the program, the machine or a file that the script "
+      "reads has changed: name another folder, or start again with --restart",
+      (fs::path(folder_) / runs_file).string(), key.text()));
+}
+
+bool Resume::restore_scores(RunResult& run) {
+  const auto stored = scores_.find(key_of(run));
+  if (!stored) return false;
+  trellis::restore_scores(run, *stored);
+  restored_ = true;
+  return true;
+}
+
+void Resume::scored(const RunResult& run) {
+  attempt([&] { scores_.append(key_of(run), scores_line(run)); });
+}
+
+bool Resume::restore_pooled(const std::string& problem, std::vector<PooledScores>& pooled) {
+  const auto stored = scores_.find(pooled_key(problem));
+  if (!stored) return false;
+  trellis::restore_pooled(pooled, *stored);
+  return true;
+}
+
+void Resume::pooled(const std::string& problem, const std::vector<PooledScores>& pooled) {
+  attempt([&] { scores_.append(pooled_key(problem), pooled_line(problem, pooled)); });
+}
+
+void Resume::draw(const std::string& problem, const std::string& style, const std::string& folder,
+                  const std::function<void()>& draw) {
+  const RunKey key = figures_key(problem);
+  const auto stored = scores_.find(key);
+  if (stored) {
+    const Json json = Json::parse(*stored);
+    const auto needed = json.at("files").get<std::set<std::string>>();
+    const Files present = files_in(folder);
+    const bool complete =
+        std::all_of(needed.begin(), needed.end(), [&](const std::string& name) { return present.contains(name); });
+    if (complete && json.at("style").get<std::string>() == style) return;
+  }
+  const Files before = files_in(folder);
+  draw();
+  std::set<std::string> files;
+  for (const auto& [name, time] : files_in(folder)) {
+    const auto old = before.find(name);
+    if (old == before.end() || old->second != time) files.insert(name);
+  }
+  const Json json = {{"problem", problem}, {"strategy", ""}, {"seed", 1}, {"style", style}, {"files", files}};
+  scores_.append(key, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Resume::finish(const ExperimentResult& result) {
+  std::string runs;
+  std::string scores;
+  const auto add_scores = [&](const RunKey& key) {
+    const auto stored = scores_.find(key);
+    if (stored) scores += *stored + '\n';
+  };
+  for (std::size_t i = 0; i < result.runs.size(); ++i) {
+    const RunResult& run = result.runs[i];
+    runs += run_line(run) + '\n';
+    add_scores(key_of(run));
+    if (i + 1 < result.runs.size() && result.runs[i + 1].problem == run.problem) continue;
+    add_scores(pooled_key(run.problem));
+    add_scores(figures_key(run.problem));
+  }
+  write_file((fs::path(folder_) / runs_file).string(), runs);
+  write_file((fs::path(folder_) / scores_file).string(), scores);
+}
+
+}  // namespace trellis::command

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/figure_options.hpp>
+#include <dsl/command/store/outputs.hpp>
+#include <dsl/language/core/stdlib.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/html.hpp>
+#include <trellis/figures/pictures.hpp>
+#include <trellis/report/costs.hpp>
+#include <trellis/report/directories.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/stored_summaries.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+constexpr std::size_t largest = std::size_t{4} << 30U;
+
+/// In the order of figure_names().
+enum class Kind : std::uint8_t {
+  success,
+  length,
+  ratios,
+  sweep,
+  correlation,
+  waterfall,
+  profile,
+  strip,
+  plane,
+  waterfalls
+};
+
+const std::vector<std::string>& figure_names() {
+  static const std::vector<std::string> names = {"success",   "length",  "ratios", "sweep", "correlation",
+                                                 "waterfall", "profile", "strip",  "plane", "waterfalls"};
+  return names;
+}
+
+struct Options {
+  std::vector<std::string> files;  ///< documents of trellis run --json
+  std::optional<std::size_t> figure;
+  std::string baseline;  ///< a strategy, "" for the one that the documents name
+  std::string out;       ///< a folder, "" if not given
+  std::string html;      ///< a file, "" if not given
+  FigureOptions style;
+
+  [[nodiscard]] bool draws(Kind kind) const { return !figure || static_cast<Kind>(*figure) == kind; }
+};
+
+/// What the documents contain.
+struct Stored {
+  CostData costs;
+  /// By problem, in the documents' order; none that two documents have both.
+  std::map<std::string, std::vector<StoredSummary>> summaries;
+  std::vector<std::string> repeated;  ///< "nested on cup", in two documents
+
+  void add(const std::string& document, const std::string& file) {
+    costs.add(document, file);
+    for (StoredSummary& one : read_stored_summaries(document, file)) {
+      if (one.problem.empty()) continue;
+      std::vector<StoredSummary>& there = summaries[one.problem];
+      if (std::any_of(there.begin(), there.end(), [&](const auto& s) { return s.strategy == one.strategy; })) {
+        repeated.push_back(fmt::format("{} on {}", one.strategy, one.problem));
+      } else {
+        there.push_back(std::move(one));
+      }
+    }
+  }
+};
+
+/// Draws figures into a folder, and lists the files without their endings.
+class Plotter {
+ public:
+  Plotter(const Options& options, FigureStyle style) : options_(options), style_(style) {}
+
+  void comparisons(const CostData& data, const std::string& baseline) {
+    for (std::size_t p = 0; p < data.problems.size(); ++p) {
+      const std::filesystem::path place = folder(data.problems[p].name);
+      if (options_.draws(Kind::success)) draw(success_figure(data, baseline, p, style_), place / "success");
+      if (options_.draws(Kind::length)) draw(length_figure(data, baseline, p, style_), place / "length");
+      if (options_.draws(Kind::ratios)) draw(ratio_figure(data.on(p), baseline, style_), place / "ratios");
+    }
+    if (options_.draws(Kind::ratios) && data.problems.size() > 1) {
+      draw(ratio_figure(data, baseline, style_), std::filesystem::path(options_.out) / "ratios");
+    }
+    if (options_.draws(Kind::sweep)) sweeps(data, baseline);
+    if (options_.draws(Kind::correlation)) {
+      draw(correlation_figure(data, baseline), std::filesystem::path(options_.out) / "correlation");
+    }
+  }
+
+  /// Draws the figures of the measure.
+  void measures(const std::string& problem, const std::vector<StoredSummary>& summaries) {
+    Directories strategies;
+    std::vector<NamedSummary> named;
+    for (const StoredSummary& one : summaries) {
+      const std::filesystem::path place = folder(problem) / strategies(one.strategy);
+      if (!one.ablation) named.push_back({one.strategy, &one.summary});
+      const StrategyFigures figures = strategy_figures(problem, one.strategy, one.summary);
+      if (options_.draws(Kind::waterfall)) draw(figures.waterfall, place / "waterfall");
+      if (options_.draws(Kind::profile)) draw(figures.profile, place / "profile");
+      if (options_.draws(Kind::strip)) draw(figures.strip, place / "strip");
+      if (options_.draws(Kind::plane)) draw(figures.plane, place / "plane");
+    }
+    if (options_.draws(Kind::waterfalls)) draw(waterfalls_figure(problem, named), folder(problem) / "waterfalls");
+  }
+
+  [[nodiscard]] const std::vector<std::string>& stems() const { return stems_; }
+
+ private:
+  std::filesystem::path folder(const std::string& problem) {
+    return std::filesystem::path(options_.out) / directories_(problem);
+  }
+  void sweeps(const CostData& data, const std::string& baseline) {
+    const auto draw_all = [&](const CostData& of, const std::filesystem::path& place) {
+      const auto figures = sweep_figures(of, baseline, style_);
+      for (std::size_t i = 0; i < figures.size(); ++i) draw(std::optional(figures[i]), place / sweep_name(i));
+    };
+    for (std::size_t p = 0; p < data.problems.size(); ++p) draw_all(data.on(p), folder(data.problems[p].name));
+    if (data.problems.size() > 1) draw_all(data, options_.out);
+  }
+  template <class F>
+  void draw(const std::optional<F>& figure, const std::filesystem::path& stem) {
+    if (!figure) return;
+    make_directory(stem.parent_path().string());
+    stems_.push_back(stem.string());
+    write_figure(*figure, style_, stems_.back());
+  }
+
+  const Options& options_;
+  FigureStyle style_;
+  Directories directories_;
+  std::vector<std::string> stems_;
+};
+
+/// Why a figure was not drawn.
+std::string nothing_text(const Options& options) {
+  if (!options.figure) return "plot: the files have no run with a path, so there is nothing to draw";
+  const std::string name = "--figure " + figure_names()[*options.figure];
+  switch (static_cast<Kind>(*options.figure)) {
+    case Kind::success:
+    case Kind::ratios: return name + ": the files have no run with a path, so there is nothing to draw";
+    case Kind::length: return name + ": no strategy of the files improves its path, so there is nothing to draw";
+    case Kind::sweep: return name + ": no three strategies of the files differ in one number of one option alone";
+    case Kind::correlation:
+      return name +
+             ": the files do not have two problems with three scored strategies with guides and a cost beside the "
+             "baseline's, so there is nothing to draw";
+    case Kind::plane: return name + ": the files have no scored strategy with a guide, so there is nothing to draw";
+    case Kind::waterfalls:
+      return name + ": no problem of the files has two scored strategies with guides, so there is nothing to draw";
+    default: return name + ": the files have no scored strategy, as of `measure = false` or of a sweep";
+  }
+}
+
+std::string chosen_baseline(const CostData& data, const Options& options) {
+  std::string name = options.baseline.empty() ? data.reference() : options.baseline;
+  std::vector<std::string> known;
+  for (const CostData::Strategy& strategy : data.strategies) known.push_back(strategy.name);
+  if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end()) {
+    throw Error(fmt::format("--baseline: there is no strategy '{}'{}; there are: {}", name, did_you_mean(name, known),
+                            fmt::join(known, ", ")));
+  }
+  return name;
+}
+
+int plot_figures(const Options& options) {
+  check_format(options.style, false);
+  const FigureStyle style = figure_style(options.style, true);
+  Stored stored;
+  for (const std::string& file : options.files) stored.add(dsl::read_file(file, largest), file);
+  stored.costs = stored.costs.without_ablations();
+  const std::string baseline = chosen_baseline(stored.costs, options);
+  if (options.figure && options.draws(Kind::ratios) && baseline.empty()) {
+    throw Error("--figure ratios: the files have one strategy, so there is nothing to compare it with");
+  }
+  const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
+  if (measured && !stored.repeated.empty()) {
+    const std::string text =
+        fmt::format("{} is in several files, whose efficiencies do not add up; draw the figures of each file by itself",
+                    stored.repeated.front());
+    if (options.figure) throw Error("--figure " + figure_names()[*options.figure] + ": " + text);
+    print_message(fmt::format("note: {}", text));
+  }
+  OutputFolder out(options.out);
+  Plotter plotter(options, style);
+  plotter.comparisons(stored.costs, baseline);
+  if (measured && stored.repeated.empty()) {
+    for (const CostData::Problem& problem : stored.costs.problems) {
+      plotter.measures(problem.name, stored.summaries[problem.name]);
+    }
+  }
+  if (plotter.stems().empty()) throw Error(nothing_text(options));
+  out.keep();
+  for (const std::string& stem : plotter.stems()) print_all(fmt::format("{}.svg, .png, .pdf\n", stem));
+  return success;
+}
+
+/// Writes the page of one document.
+void write_page(const Options& options) {
+  if (options.files.size() != 1) {
+    throw Error("--html: the page is of one document, whose efficiencies it shows; those of several do not add up");
+  }
+  require_writable_file(options.html);
+  write_file(options.html, stored_report_html(dsl::read_file(options.files.front(), largest), options.files.front()));
+}
+
+int plot(const Options& options) {
+  if (options.out.empty() && options.html.empty()) {
+    throw Error("plot: --out FOLDER or --html FILE says where the figures or the page go");
+  }
+  if (!options.html.empty()) write_page(options);
+  return options.out.empty() ? success : plot_figures(options);
+}
+
+}  // namespace
+
+void add_plot(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb =
+      line.add("plot", "draw stored results of trellis run, without planning", [options] { return plot(*options); });
+  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
+  verb.choice(
+      "--figure", figure_names(), options->figure,
+      "the figure of this name alone (default all that the results suffice for); those of samples and of motions "
+      "need the samples, which trellis run --figures has");
+  verb.text("--baseline", "NAME", options->baseline,
+            "the strategy that the others are compared with, instead of the experiment's");
+  verb.text("--out", "FOLDER", options->out, "the folder of the figures");
+  verb.text("--html", "FILE", options->html, "write the page of trellis run --html, but for its replays");
+  add_figure_options(verb, options->style);
+}
+
+}  // namespace trellis::command

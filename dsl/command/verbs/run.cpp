@@ -1,0 +1,507 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <dsl/command/choice.hpp>
+#include <dsl/command/commands.hpp>
+#include <dsl/command/figure_options.hpp>
+#include <dsl/command/interrupt.hpp>
+#include <dsl/command/progress.hpp>
+#include <dsl/command/script_options.hpp>
+#include <dsl/command/store/outputs.hpp>
+#include <dsl/command/store/resume.hpp>
+#include <dsl/command/verbs/learn.hpp>
+#include <dsl/command/verbs/watch.hpp>
+#include <dsl/language/tools/session.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/experiment/input_warnings.hpp>
+#include <trellis/experiment/partial.hpp>
+#include <trellis/experiment/unused.hpp>
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/gltf.hpp>
+#include <trellis/figures/html.hpp>
+#include <trellis/memory/library.hpp>
+#include <trellis/report/costs.hpp>
+#include <trellis/report/directories.hpp>
+#include <trellis/report/records.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+constexpr std::uint64_t most_jobs = 1024;
+constexpr int unbounded_width = 160;
+constexpr int overview_width = 100;
+
+struct Options {
+  std::string script;
+  ScriptOptions scripts;
+  std::optional<std::uint64_t> seeds;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> only;  ///< one seed
+  std::string problem;                ///< a name, "" for all
+  std::string strategy;               ///< likewise
+  std::optional<std::uint64_t> jobs;
+  std::optional<std::uint64_t> cross;
+  std::string json;                    ///< a file, "" if not given
+  std::string csv;                     ///< a file, "" if not given
+  std::string html;                    ///< a file, "" if not given
+  std::string samples;                 ///< a folder, "" if not given
+  std::string figures;                 ///< a folder, "" if not given
+  std::string gltf;                    ///< a folder, "" if not given
+  std::string out;                     ///< a folder for tables, figures and the document, "" if not given
+  std::string learn;                   ///< a library of paths, "" if not given
+  std::optional<double> novelty;       ///< metres
+  std::optional<std::size_t> palette;  ///< of the figures: 0 or none for safe, 1 for paper
+  FigureOptions style;
+  std::optional<std::size_t> report;   ///< a ReportKind; none: the overview
+  bool full = false;                   ///< the full report
+  std::optional<std::uint64_t> width;  ///< of the report, in columns
+  bool ablate = false;
+  std::optional<double> ablation;  ///< Experiment::ablation
+  bool watch = false;
+  bool quiet = false;
+  bool restart = false;
+};
+
+/// Runs the experiment; after an interruption reduces it to what is finished (run_or_part).
+ExperimentResult run_cells(Experiment& experiment, unsigned jobs, bool quiet, std::string& finished) {
+  const InterruptibleRun interruptible;
+  Progress progress(!quiet);
+  const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+  progress.show("planning", 0, cells);
+  return run_or_part(
+      experiment,
+      {.jobs = jobs,
+       .progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
+       .ablation_progress = [&](std::size_t done, std::size_t all) { progress.show("ablation", done, all); },
+       .interrupted = InterruptibleRun::requested},
+      finished);
+}
+
+/// Returns the experiment restricted to some of its problems.
+Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t count) {
+  Experiment part = experiment;
+  const auto begin = experiment.problems.begin() + static_cast<std::ptrdiff_t>(first);
+  part.problems.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
+  if (!part.published) return part;
+  const auto elsewhere = [&](const std::string& name) {
+    return std::none_of(part.problems.begin(), part.problems.end(), [&](const Problem& p) { return p.name == name; });
+  };
+  std::erase_if(part.published->entries, [&](const auto& entry) { return elsewhere(entry.problem); });
+  std::erase_if(part.published->claims, [&](const auto& claim) { return elsewhere(claim.problem); });
+  return part;
+}
+
+/// Applies --strategy and --ablate: the strategy of this name, and its ablations where these are requested.
+void choose_strategies(Experiment& experiment, const Options& options) {
+  if (options.strategy.empty()) {
+    if (options.ablate) dsl::ablate_all(experiment, "--ablate");
+    return;
+  }
+  const bool own = std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
+                               [&](const auto& entry) { return entry.first == options.strategy; });
+  // The name may be that of an ablation.
+  if (options.ablate && !own) dsl::ablate_all(experiment, "--ablate");
+  choose_strategy(experiment, options.strategy);
+  experiment.baseline.clear();
+  experiment.ablations.clear();
+  if (options.ablate && own) dsl::ablate_all(experiment, "--ablate");
+}
+
+/// Applies --problem, --strategy, --ablate and --only to an experiment.
+void narrow(Experiment& experiment, const Options& options) {
+  choose_problem(experiment, options.problem);
+  choose_strategies(experiment, options);
+  // The published claims refer to the complete experiment.
+  if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
+  if (options.only) experiment.seeds = {*options.only};
+}
+
+void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
+                       const SceneFigureOptions& options, bool quiet) {
+  write_figures(experiment, result, folder, options.jobs, options.style);
+  write_motion_figures(experiment, result, folder, options.jobs, options.style);
+  for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
+    if (!quiet) print_message(note);
+  }
+}
+
+/// Writes the output of --out for the finished problems, except the figures of each strategy.
+void write_out(const Experiment& experiment, const ExperimentResult& result, const Options& options,
+               const FigureStyle& style) {
+  const std::filesystem::path folder(options.out);
+  write_tables(options.style, options.out, report_markdown(experiment, result));
+  write_file((folder / "table.csv").string(), report_csv(experiment, result));
+  write_file((folder / "runs.csv").string(), runs_csv(result));
+  write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
+  write_html(experiment, result, (folder / "report.html").string(), {.script = options.script, .progress = {}});
+  write_comparison_figures(experiment, result, (folder / "figures").string(), style);
+}
+
+/// The options that change the runs or their scores.
+std::string options_text(const Options& options) {
+  std::string text = "run";
+  for (const auto& [name, value] : {std::pair{"seeds", options.seeds}, std::pair{"seed", options.seed},
+                                    std::pair{"only", options.only}, std::pair{"cross", options.cross}}) {
+    if (value) text += fmt::format(" --{} {}", name, *value);
+  }
+  if (options.ablation) text += fmt::format(" --ablation {:g}", *options.ablation);
+  if (!options.problem.empty()) text += fmt::format(" --problem '{}'", options.problem);
+  if (!options.strategy.empty()) text += fmt::format(" --strategy '{}'", options.strategy);
+  return options.ablate ? text + " --ablate" : text;
+}
+
+/// The options that change the figures.
+std::string style_text(const Options& options) {
+  const FigureOptions& style = options.style;
+  const auto number = [](const auto& given) {
+    return given ? fmt::format("{:g}", static_cast<double>(*given)) : "none";
+  };
+  return fmt::format(
+      "palette {}, column {}, untitled {}, serif {}, scale bar {}, panels {}, curves {}, azimuth {}, elevation {}",
+      options.palette.value_or(0), style.column ? std::to_string(*style.column) : "none", style.untitled, style.serif,
+      style.scale_bar, number(style.panels), number(style.curves), number(style.azimuth), number(style.elevation));
+}
+
+/// Writes what is finished after an interruption. Returns what remains.
+Interrupted interrupted_after(std::size_t problems, const Experiment& experiment, const ExperimentResult& result,
+                              const Options& options, const FigureStyle& style, std::size_t runs) {
+  std::vector<std::string> finished;
+  if (problems > 0) write_out(part_of(experiment, 0, problems), result, options, style);
+  for (std::size_t k = 0; k < problems; ++k) finished.push_back(experiment.problems[k].name);
+  return Interrupted(fmt::format("interrupted; '{}' holds {} of {} runs{}{}; the same command continues", options.out,
+                                 runs,
+                                 experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size(),
+                                 finished.empty() ? "" : " and the results of ", fmt::join(finished, ", ")));
+}
+
+/// Runs problem by problem, so that finished results remain if a later problem fails.
+ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const Options& options,
+                              const SceneFigureOptions& drawing, Resume& resume) {
+  const InterruptibleRun interruptible;
+  Progress progress(!options.quiet);
+  const std::size_t all = steps(experiment);
+  std::size_t before = 0;
+  progress.show(0, all);
+  ExperimentResult result;
+  for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
+    const Experiment one = part_of(experiment, i, 1);
+    try {
+      ExperimentResult found =
+          run(one,
+              {.jobs = jobs,
+               .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
+               .interrupted = InterruptibleRun::requested},
+              resume);
+      const std::string& name = one.problems.front().name;
+      progress.show("drawing " + name);
+      const std::filesystem::path figures = std::filesystem::path(options.out) / "figures";
+      resume.attempt([&] {
+        resume.draw(name, style_text(options), (figures / Directories()(name)).string(),
+                    [&] { write_all_figures(one, found, figures.string(), drawing, options.quiet); });
+      });
+      std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
+      std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
+      std::move(found.left_out.begin(), found.left_out.end(), std::back_inserter(result.left_out));
+      result.planning_seconds += found.planning_seconds;
+      result.measuring_seconds += found.measuring_seconds;
+    } catch (const Interrupted&) {
+      progress.show("writing what is finished");
+      throw interrupted_after(i, experiment, result, options, drawing.style, resume.runs());
+    }
+    before += steps(one);
+  }
+  progress.show("writing the tables and the page");
+  resume.attempt([&] {
+    write_out(experiment, result, options, drawing.style);
+    resume.finish(result);
+  });
+  return result;
+}
+
+/// Reports on stderr each problem without any path, because all its values are missing.
+void tell_unsolved(const Experiment& experiment, const ExperimentResult& result) {
+  for (const Problem& problem : experiment.problems) {
+    const bool solved = std::any_of(result.runs.begin(), result.runs.end(), [&](const RunResult& run) {
+      return run.problem == problem.name && run.run.solved;
+    });
+    if (solved) continue;
+    print_message(fmt::format(
+        "{}: no run of any strategy found a path{}; give the planners more `proposals`, or examine where they got to",
+        problem.name, experiment.measure ? ", so there is no target and no efficiency" : ""));
+  }
+}
+
+/// Warns on stderr about unused inputs.
+/// \param scored  whether this process computed all scores
+void warn(const dsl::Program& program, const ExperimentResult& result, bool scored) {
+  for (const std::string& sentence : unused_guides(program.experiment, result)) {
+    print_message(fmt::format("warning: {}", sentence));
+  }
+  const auto& measure = program.experiment.measure;
+  const char* why = !measure ? "the experiment measures nothing (measure = false)"
+                    : !std::holds_alternative<UserTarget>(measure->target)
+                        ? "the experiment is measured by another target (field 'measure')"
+                        : "the experiment is measured by another target, or no run found a path";
+  for (const auto& [function, guides] : program.uncalled()) {
+    if (!guides && !scored) continue;
+    if (guides) {
+      print_message(fmt::format("warning: {} was never called in any run", function));
+    } else {
+      print_message(fmt::format("warning: {} were never called: {}", function, why));
+    }
+  }
+}
+
+/// Prints on stderr the warnings of a report that is not printed.
+void warn_of_guides(const Experiment& experiment, const ExperimentResult& result) {
+  for (const Problem& problem : experiment.problems) {
+    for (const std::string& sentence : guide_warnings(experiment, result, problem.name)) {
+      print_message(fmt::format("warning: {}: {}", problem.name, sentence));
+    }
+  }
+}
+
+SceneFigureOptions drawing_options(const Options& options) {
+  const bool drawn = !options.figures.empty() || !options.out.empty();
+  if (options.palette && !drawn) throw Error("--palette: nothing is drawn without --figures");
+  return {.colours = options.palette.value_or(0) == 0 ? draw::RoleColours::safe : draw::RoleColours::paper,
+          .jobs = std::max(1U, std::thread::hardware_concurrency()),
+          .style = figure_style(options.style, drawn)};
+}
+
+ReportKind report_kind(const Options& options) {
+  if (!options.full) return static_cast<ReportKind>(options.report.value_or(0));
+  const auto full = static_cast<std::size_t>(ReportKind::full);
+  if (options.report.value_or(full) != full) {
+    throw Error(fmt::format("--full: it is --report full; leave out --report {}", report_kinds()[*options.report]));
+  }
+  return ReportKind::full;
+}
+
+/// \throws Error for options that contradict each other.
+void check_combination(const Options& options) {
+  if (options.only && (options.seeds || options.seed)) {
+    throw Error("--only: it is one seed; leave out --seed and --seeds");
+  }
+  if (options.restart && options.out.empty()) throw Error("--restart: nothing is stored without --out");
+  if (options.watch && !options.out.empty()) {
+    throw Error("--watch: the folder of --out belongs to one state of the script; use --json, --html or --figures");
+  }
+  if (options.novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
+  check_format(options.style, !options.out.empty());
+}
+
+/// Whether there is an output beside that of --out.
+bool has_other_outputs(const Options& options) {
+  const std::array outputs = {&options.json,    &options.csv,  &options.html, &options.samples,
+                              &options.figures, &options.gltf, &options.learn};
+  return std::any_of(outputs.begin(), outputs.end(), [](const std::string* output) { return !output->empty(); });
+}
+
+/// Loads the script and applies the options to its experiment.
+dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
+  session.seed = options.seed.value_or(session.seed);
+  dsl::Program program = dsl::load_script(options.script, session);
+  dsl::override_seeds(program, options.seeds, options.seed);
+  narrow(program.experiment, options);
+  if (options.ablation) program.experiment.ablation = *options.ablation;
+  if (options.cross) {
+    if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
+    program.experiment.measure->cross = static_cast<std::int64_t>(*options.cross);
+  }
+  return program;
+}
+
+/// Runs writers of outputs. If one fails, the others write anyway, and `finish` throws its error.
+class Writers {
+ public:
+  void attempt(bool wanted, const std::function<void()>& write) {
+    if (!wanted) return;
+    try {
+      write();
+    } catch (const Error& error) {
+      if (!failure_) failure_ = error;
+    }
+  }
+  void finish() const {
+    if (failure_) throw Error(*failure_);
+  }
+
+ private:
+  std::optional<Error> failure_;
+};
+
+void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind,
+                  std::optional<std::uint64_t> given) {
+  const int usual = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
+  const int width = given ? static_cast<int>(*given) : usual;
+  print_all(report_text(experiment, result, width, kind));
+}
+
+void write_page(const Experiment& experiment, const ExperimentResult& result, const Options& options) {
+  Progress progress(!options.quiet);
+  const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
+  write_html(experiment, result, options.html, {.script = options.script, .progress = show});
+}
+
+int run(const Options& options) {
+  check_combination(options);
+  const SceneFigureOptions drawing = drawing_options(options);
+  const ReportKind kind = report_kind(options);
+  // Create the library before the script runs, so that a script may use a library without paths.
+  if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
+  dsl::SessionOptions session = session_options(options.scripts);
+  const ScriptFiles files(session);
+  dsl::Program program = program_of(options, session);
+  Experiment& experiment = program.experiment;
+
+  // A run may take hours: check first that its results can be stored.
+  if (!options.json.empty()) require_writable_file(options.json);
+  if (!options.csv.empty()) require_writable_file(options.csv);
+  if (!options.html.empty()) require_writable_file(options.html);
+  OutputFolder samples(options.samples);
+  OutputFolder figures(options.figures);
+  OutputFolder gltf(options.gltf);
+  OutputFolder out(options.out);
+  std::optional<Resume> resume;
+  if (!options.out.empty()) {
+    check(experiment);
+    const Manifest manifest = files.manifest(options.script, options_text(options), {}, experiment);
+    if (!options.restart) require_same(options.out, manifest);
+    resume.emplace(options.out, manifest, options.restart, has_other_outputs(options));
+    if (resume->runs() > 0 && !options.quiet) {
+      print_message(fmt::format("continues '{}', which holds {} of {} runs; --restart starts again", options.out,
+                                resume->runs(), keys_of(manifest.experiment).size()));
+    }
+    out.keep();
+  }
+
+  for (const std::string& sentence : program.warnings) print_message(fmt::format("warning: {}", sentence));
+  for (const std::string& sentence : input_warnings(experiment)) {
+    print_message(fmt::format("warning: {}", sentence));
+  }
+  const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
+  std::string finished;  // before an interruption
+  const ExperimentResult result = resume ? run_problems(experiment, threads, options, drawing, *resume)
+                                         : run_cells(experiment, threads, options.quiet, finished);
+  samples.keep();
+  figures.keep();
+  gltf.keep();
+  if (resume) tell_unsolved(experiment, result);
+
+  Writers writers;
+  writers.attempt(resume && resume->failure(), [&] { throw Error(*resume->failure()); });
+  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind, options.width); });
+  if (options.quiet) warn_of_guides(experiment, result);
+  writers.attempt(!options.json.empty(),
+                  [&] { write_file(options.json, report_json(experiment, result, options.script)); });
+  writers.attempt(!options.csv.empty(), [&] { write_file(options.csv, runs_csv(result)); });
+  writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, options); });
+  writers.attempt(!options.samples.empty(), [&] { write_samples(result, options.samples); });
+  writers.attempt(!options.figures.empty(), [&] {
+    write_all_figures(experiment, result, options.figures, drawing, options.quiet);
+    write_comparison_figures(experiment, result, options.figures, drawing.style);
+  });
+  writers.attempt(!options.gltf.empty(), [&] {
+    for (const std::string& note : write_gltf(experiment, result, options.gltf)) {
+      if (!options.quiet) print_message(note);
+    }
+  });
+  writers.attempt(!options.learn.empty(),
+                  [&] { learn(experiment, result, options.learn, options.novelty, options.quiet); });
+  warn(program, result, !resume || !resume->restored());
+  writers.finish();
+  if (!finished.empty()) {
+    throw Interrupted(
+        fmt::format("interrupted; what is finished, and is kept: {}; the same command makes the rest too", finished));
+  }
+  return success;
+}
+
+/// Runs the script, and again each time that its files change, until a signal ends it.
+int run_and_watch(const Options& options) {
+  while (true) {
+    const WatchedFiles files(options.script);  // as they are before the run
+    try {
+      static_cast<void>(run(options));
+    } catch (const Error& error) {
+      print_error(error);
+    }
+    finish_output();
+    print_message(fmt::format("watching {}; Ctrl-C ends", fmt::join(files.names(), ", ")));
+    const std::string changed = files.wait();
+    print_message(fmt::format("{} has changed", changed));
+  }
+}
+
+}  // namespace
+
+void add_run(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("run", "run a script's experiment and print the report",
+                             [options] { return options->watch ? run_and_watch(*options) : run(*options); });
+  verb.argument("SCRIPT", "FILE", options->script, "a Lua script");
+  verb.integer("--seeds", "N", 1, dsl::most_seeds, options->seeds,
+               "the number of consecutive seeds, instead of the script's");
+  verb.integer("--seed", "SEED", 0, dsl::largest_seed, options->seed, "the first seed, instead of the script's");
+  verb.integer("--only", "SEED", 0, dsl::largest_seed, options->only,
+               "this seed alone, in the world that the script makes for its own seeds");
+  verb.text("--problem", "NAME", options->problem, "the problem of this name alone");
+  verb.text("--strategy", "NAME", options->strategy, "the strategy of this name alone");
+  verb.integer("--jobs", "N", 1, most_jobs, options->jobs,
+               "runs at the same time (default 1, so that their times compare); scoring takes all cores");
+  verb.integer("--cross", "N", 0, dsl::most_seeds, options->cross,
+               "paths of other seeds to score each run on, instead of the script's");
+  verb.flag("--ablate", options->ablate,
+            "run every strategy with each of its guides taken out, too, and list and score these strategies");
+  verb.number("--ablation", "TIMES", 0.0, options->ablation,
+              "the work for the verdicts on levels, as a multiple of the experiment's (default 1); 0: none");
+  verb.text("--json", "FILE", options->json, "write all figures to a file");
+  verb.text("--csv", "FILE", options->csv, "write a table of the runs to a file, a row for each");
+  verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");
+  verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");
+  verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
+  verb.text("--gltf", "FOLDER", options->gltf,
+            "write the motions in space as glTF 2.0 into a folder, a file for each strategy");
+  verb.text("--out", "FOLDER", options->out,
+            "write tables, the document and figures into a folder, problem by problem; continues when repeated");
+  verb.flag("--restart", options->restart, "delete the records in the folder of --out and start again");
+  verb.text("--learn", "FILE", options->learn, "add the paths that were found and are new to a library of paths");
+  verb.number("--novelty", "METRES", 0.0, options->novelty,
+              "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
+  verb.choice("--palette", {"safe", "paper"}, options->palette,
+              "the figures' colours of samples: safe, for any colour vision, or paper");
+  add_figure_options(verb, options->style);
+  add_view_options(verb, options->style);
+  verb.choice("--report", report_kinds(), options->report,
+              "what is printed: overview (default), levels, efficiency or full");
+  verb.flag("--full", options->full, "as --report full");
+  verb.integer(
+      "--width", "N", 60, 1000, options->width,
+      "the report's width in columns (default the terminal's, else COLUMNS of the environment, else 100 or 160)");
+  verb.flag("--watch", options->watch, "run again each time that the script or a module that it requires changes");
+  verb.flag("--quiet", options->quiet, "print neither report nor progress");
+  add_script_options(verb, options->scripts);
+}
+
+}  // namespace trellis::command

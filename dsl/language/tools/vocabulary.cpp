@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/tools/vocabulary.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <dsl/language/tools/catalogue.hpp>
+#include <dsl/language/tools/words.hpp>
+#include <trellis/guide/guide.hpp>
+#include <trellis/report/glossary.hpp>
+#include <trellis/report/table.hpp>
+#include <trellis/strategy/combinators.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+/// Returns the name, and beside it the text in lines of the page's width.
+std::string row(std::string name, std::string_view text, std::size_t width) {
+  constexpr std::size_t names = 18;
+  constexpr std::size_t indent = names + 3;
+  std::string above;
+  if (name.size() > names) above = fmt::format("  {}\n", std::exchange(name, ""));
+  return above + wrap(std::string(text), width, fmt::format("  {:<{}} ", name, names), std::string(indent, ' '));
+}
+
+/// Returns a line of text, and further ones below it.
+std::string lines(const std::string& text, std::size_t width) { return wrap(text, width, "", "  "); }
+
+/// Returns the values of a field, with its meaning below.
+std::string rows_of(const Field& field, std::size_t width) {
+  std::string text = field.expects;
+  if (field.required) text += "; required";
+  if (!field.default_text.empty()) text += "; default " + field.default_text;
+  return row(field.name, text, width) + (field.doc.empty() ? "" : row("", field.doc, width));
+}
+
+std::string rows_of(const Option& option, std::size_t width) {
+  return row(option.name, fmt::format("{}; default {}", expectation(option), default_text(option)), width) +
+         (option.doc.empty() ? "" : row("", option.doc, width));
+}
+
+template <class T>
+std::string section(const char* title, const std::vector<T>& entries, std::size_t width) {
+  if (entries.empty()) return "";
+  std::string text = fmt::format("\n{}:\n", title);
+  for (const T& entry : entries) text += rows_of(entry, width);
+  return text;
+}
+
+bool is_component(const Word& word) { return word.kind < Word::Kind::constructor; }
+
+/// Returns the words of a table, without its name: of a module, or of the robots.
+std::string contents(const std::string& module, std::size_t width) {
+  std::string text;
+  for (const Word& word : words()) {
+    if (word.module() != module) continue;
+    text += row(word.name.substr(module.size() + 1), word.summary.empty() ? "not described" : word.summary, width);
+  }
+  return text;
+}
+
+std::string component_text(const Word& word, std::size_t width) {
+  std::string text = lines(fmt::format("{} ({}): {}", word.name, word.kind_text(), word.summary), width);
+  if (!word.source.empty()) text += lines("source: " + word.source, width);
+  if (const GuideKind* guide = word.kind == Word::Kind::guide ? find_guide(word.name) : nullptr) {
+    text += '\n';
+    for (const auto& [title, line] : claim_lines(guide->claims)) text += row(title, line, width);
+  }
+  std::string options;
+  for (const Option& option : word.options) options += rows_of(option, width);
+  for (const Field& field : word.fields) options += rows_of(field, width);
+  text += options.empty() ? "\nno options\n" : "\noptions:\n" + options;
+  if (!word.positional.empty()) {
+    text += fmt::format("\nwithout names: {}({})\n", word.name, fmt::join(word.positional, ", "));
+  }
+  return text;
+}
+
+std::string construct_text(const Word& word, std::size_t width) {
+  std::string text =
+      lines(fmt::format("{}: {}", word.name, word.summary.empty() ? "not described" : word.summary), width);
+  if (!word.source.empty()) text += lines("source: " + word.source, width);
+  text += fmt::format("\n  {}\n", word.usage);
+  if (!word.list.empty()) text += '\n' + lines("elements: " + word.list, width);
+  text += section("arguments", word.arguments, width);
+  text += section("fields", word.fields, width);
+  text += section("options", word.options, width);
+  return text;
+}
+
+std::string text_of(const Word& word, std::size_t width) {
+  if (word.kind == Word::Kind::module) {
+    const std::string inside = contents(word.name, width);
+    return word.text + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", word.name, inside));
+  }
+  return is_component(word) ? component_text(word, width) : construct_text(word, width);
+}
+
+/// "strategy" of "trellis.Strategy", "target_context" of "trellis.TargetContext".
+std::string plain_name(const ObjectType& type) {
+  std::string name;
+  for (const char c : type.name.substr(type.name.find('.') + 1)) {
+    const bool upper = std::isupper(static_cast<unsigned char>(c)) != 0;
+    if (upper && !name.empty()) name += '_';
+    name += upper ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : c;
+  }
+  return name;
+}
+
+std::string text_of(const ObjectType& type, std::size_t width) {
+  std::string text = lines(fmt::format("{} (type): {}", plain_name(type), type.summary), width);
+  if (!type.operations.empty()) text += "\noperators:\n";
+  const auto plain = [](const std::string& name) {
+    for (const ObjectType& known : object_types()) {
+      if (known.name == name) return plain_name(known);
+    }
+    return name;
+  };
+  for (const Operation& o : type.operations) {
+    text += row(fmt::format("{} {} {}", plain_name(type), o.symbol, plain(o.operand)), "a " + plain(o.result), width);
+  }
+  const ObjectType* of = &type;
+  if (!type.parent.empty()) {
+    for (const ObjectType& parent : object_types()) of = parent.name == type.parent ? &parent : of;
+  }
+  if (!of->members.empty()) text += "\nto be read:\n";
+  for (const Field& member : of->members) {
+    const bool method = member.type.starts_with("fun(self");
+    text += row(method ? ':' + member.name + "()" : '.' + member.name, member.doc.empty() ? member.expects : member.doc,
+                width);
+  }
+  return text;
+}
+
+/// Maps "D at least" to "d at least" and "re-solves" to "resolves".
+std::string folded(std::string_view name) {
+  std::string text;
+  for (const char c : name) {
+    if (c != '-' && c != ' ' && c != '_') text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+/// Returns the terms of reports with this name; all of them for "report". "" for none.
+std::string report_words(const std::string& name, std::size_t width) {
+  std::string text;
+  for (const ReportTerm& term : report_terms()) {
+    if (name == "report" || folded(term.name) == folded(name)) text += row(term.name, term.meaning, width);
+  }
+  return text.empty() ? "" : "in reports:\n" + text;
+}
+
+}  // namespace
+
+std::string vocabulary_text(std::size_t width) {
+  std::string text;
+  const auto list = [&](Word::Kind kind, const char* title) {
+    text += fmt::format("{}:\n", title);
+    for (const Word& word : words()) {
+      if (word.kind == kind && (kind != Word::Kind::function || word.module().empty())) {
+        text += row(word.name, word.summary, width);
+      }
+    }
+  };
+  for (const auto& [kind, title] : {std::pair{Word::Kind::planner, "planners"},
+                                    {Word::Kind::guide, "guides"},
+                                    {Word::Kind::target, "targets"},
+                                    {Word::Kind::estimator, "estimators"}}) {
+    list(kind, title);
+    text += '\n';
+  }
+  text += "composition:\n";
+  for (const Combinator& combinator : combinators()) text += row(combinator.written, combinator.summary, width);
+  text += '\n';
+  list(Word::Kind::constructor, "constructors");
+  text += '\n';
+  list(Word::Kind::function, "functions");
+  for (const Word& module : words()) {
+    if (module.kind != Word::Kind::module) continue;
+    text +=
+        '\n' + lines(fmt::format("module {}: {}", module.name, module.summary), width) + contents(module.name, width);
+  }
+  text += "\nreport: the words of reports and their columns (help on 'report')\n";
+  return text;
+}
+
+std::string help_text(const std::string& name, std::size_t width) {
+  std::vector<std::string> known = {"report"};
+  std::string in_reports = report_words(name, width);
+  for (const Word& word : words()) {
+    if (word.name == name || fmt::format("{}.{}", word.kind_text(), word.name) == name) {
+      std::string text = text_of(word, width);
+      for (const ObjectType& type : object_types()) {
+        if (plain_name(type) == name && !type.members.empty()) text += '\n' + text_of(type, width);
+      }
+      if (!in_reports.empty()) text += '\n' + in_reports;
+      return text;
+    }
+    known.push_back(word.name);
+  }
+  for (const ObjectType& type : object_types()) {
+    known.push_back(plain_name(type));
+    if (plain_name(type) != name && type.name != name) continue;
+    const std::string inside = contents(name, width);
+    return text_of(type, width) + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", name, inside));
+  }
+  if (!in_reports.empty()) return in_reports;
+  for (const ReportTerm& term : report_terms()) known.push_back(term.name);
+  throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", name, did_you_mean(name, known)));
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,603 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/words/problem.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <dsl/language/core/script_place.hpp>
+#include <dsl/language/core/stdlib.hpp>
+#include <dsl/language/core/word.hpp>
+#include <dsl/language/words/motion.hpp>
+#include <dsl/language/words/scene_values.hpp>
+#include <trellis/base/input_file.hpp>
+#include <trellis/collision/checker.hpp>
+#include <trellis/experiment/input_warnings.hpp>
+#include <trellis/instance/path_fault.hpp>
+#include <trellis/instance/resolve_goal.hpp>
+#include <trellis/reader/readers.hpp>
+#include <trellis/strategy/executor.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Value;
+
+// The settings that problems of scripts and problems of files share.
+struct LoadSettings {
+  double weight = 1.0 / std::numbers::pi;
+  double resolution = Problem{}.resolution;
+  double contact_tolerance = Problem{}.contact_tolerance;
+  std::string collision = "auto";
+  std::string map_server = "nav2";
+  bool motion = true;
+  double goal_tolerance = ReadOptions{}.goal_tolerance;
+};
+struct ProblemSettings {
+  double weight = LoadSettings{}.weight;
+  double resolution = LoadSettings{}.resolution;
+  double contact_tolerance = LoadSettings{}.contact_tolerance;
+  std::string collision = "auto";
+  double goal_tolerance = Problem{}.goal_tolerance;
+};
+
+template <class S>
+Settings<S> with_scene_options(Settings<S> settings) {
+  return settings
+      .number(
+          "weight", &S::weight, "m/rad", Range::positive(),
+          "metres of the metric per radian of turning; of a body in space its bounding radius, if this is not given")
+      .number("resolution", &S::resolution, "m", Range::positive(),
+              "how far the robot's fastest point moves between two checked configurations")
+      .number(
+          "contact_tolerance", &S::contact_tolerance, "m", Range::non_negative(),
+          "how finely the certificate of a path divides its motions: a motion that is undecided at this displacement "
+          "of the robot's points counts as contact; 0: a millionth of resolution")
+      .choice(
+          "collision", &S::collision, {"auto", "planar", "fcl", "fcl_plain"},
+          "the collision backend: in the plane \"planar\" or \"fcl\"; in space \"fcl\", which decides what it can by "
+          "bounds on distances, or \"fcl_plain\" without these; \"auto\" is the first that the world has");
+}
+
+const Settings<ProblemSettings>& problem_settings() {
+  static const auto settings =
+      with_scene_options(Settings<ProblemSettings>(Component::Kind::scene, "problem", "a planning problem", ""))
+          .number("goal_tolerance", &ProblemSettings::goal_tolerance, "m", Range::non_negative(),
+                  "a configuration this near to the goal in the metric is the goal; where the problem has a motion "
+                  "model and "
+                  "this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly");
+  return settings;
+}
+
+const Settings<LoadSettings>& load_settings() {
+  static const auto settings =
+      with_scene_options(Settings<LoadSettings>(Component::Kind::scene, "scenes.load", "reads a scene file", ""))
+          .boolean("motion", &LoadSettings::motion,
+                   "robots have the motion models that a file of dynobench names; false: they move straight")
+          .choice(
+              "map_server", &LoadSettings::map_server, {"nav2", "ros1"},
+              "the map server whose rules decide which pixels of a map of ROS are free: that of Nav2 takes luma, and "
+              "transparent pixels are unknown; that of ROS 1 takes the mean of the channels")
+          .number("goal_tolerance", &LoadSettings::goal_tolerance, "m", Range::positive(),
+                  "of problems with a motion model: a state this near to the goal in the metric is the goal");
+  return settings;
+}
+
+std::string axes_of(const Space& space) {
+  std::string names;
+  for (const auto& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
+  return names;
+}
+
+/// Returns a pose as a configuration.
+/// \param what  names it in messages: "problem: field 'start'"
+Configuration configuration_of(const Pose3& pose, const std::string& what, const Scene& scene, const Space& space) {
+  const auto& [x, y, z] = pose.position;
+  if (scene.planar() != nullptr) {
+    throw Error(
+        fmt::format("{} is a pose, which places a body in space, and this world is the plane: give a list of {} "
+                    "numbers ({}){}",
+                    what, space.dimension(), axes_of(space),
+                    scene.translates() && space.dimension() == 3
+                        ? fmt::format(", as {{{:g}, {:g}, 0}} with the angle in radians", x, y)
+                        : ""));
+  }
+  const Quaternion& turn = pose.orientation;
+  if (space.dimension() == 7 && !space.flat()) return {x, y, z, turn.x, turn.y, turn.z, turn.w};
+  if (space.dimension() == 3 && turn == Quaternion{}) return {x, y, z};
+  throw Error(fmt::format("{} is a pose, which a configuration of this robot is not: it has {} coordinates ({})", what,
+                          space.dimension(), axes_of(space)));
+}
+
+/// Brings quaternions that were written with few decimals to norm 1.
+void normalise_quaternions(MutableView q, const std::string& what, const Space& space) {
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::rotation) continue;
+    const MutableView part = q.subspan(factor.column, factor.width());
+    double length = 0.0;
+    for (const double x : part) length += x * x;
+    length = std::sqrt(length);
+    constexpr double rounding = 1e-3;
+    if (!(std::abs(length - 1.0) <= rounding)) {
+      throw Error(
+          fmt::format("problem: {}: its last 4 coordinates are the quaternion x, y, z, w of the body's "
+                      "orientation, of norm 1; this one has norm {:g}. A pose is easier to write: "
+                      "pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
+                      what, length, fmt::join(q.first(factor.column), ", ")));
+    }
+  }
+  space.normalise(q);
+}
+
+Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
+  const Space& space = problem.space;
+  if (const auto* pose = value.get<Pose3>()) {
+    return configuration_of(*pose, "problem: " + what, *problem.scene, space);
+  }
+  auto q = read_numbers(value, fmt::format("problem: {}", what));
+  if (q.size() != space.dimension()) {
+    throw Error(fmt::format("problem: {} must have {} coordinates ({}), got {}", what, space.dimension(),
+                            axes_of(space), q.size()));
+  }
+  if (!space.flat()) normalise_quaternions(q, what, space);
+  return q;
+}
+
+/// The weight of rotations: the one given; else in space the body's bounding radius, so that the metric bounds how far
+/// its points move.
+double weight_of(const Scene& scene, double weight, bool given) {
+  return given || scene.planar() != nullptr || scene.is_point() ? weight : scene.bounding_radius();
+}
+
+/// The backend's name for "auto".
+std::string backend_of(const Scene& scene, const std::string& collision) {
+  const auto known = collision_backends(scene);
+  if (collision == "auto") return known.front();
+  if (std::find(known.begin(), known.end(), collision) != known.end()) return collision;
+  throw Error(fmt::format("problem: collision = \"{}\" is not for {}; there are {}", collision,
+                          scene.planar() != nullptr ? "the plane" : "space", fmt::join(known, " and ")));
+}
+
+/// One goal, or a list of them.
+void read_goals(Value value, Problem& problem) {
+  bool several = false;
+  if (value.type() == lua::Type::table) {
+    value.each([&](std::size_t i, Value element) {
+      several = several || (i == 1 && (element.type() == lua::Type::table || element.get<Pose3>() != nullptr));
+    });
+  }
+  if (!several) {
+    problem.goals = {read_configuration(value, "field 'goal'", problem)};
+    return;
+  }
+  value.each([&](std::size_t i, Value element) {
+    problem.goals.push_back(read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem));
+  });
+}
+
+/// Reads the world, the robot and the motion model, which say what the coordinates are.
+void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& faults) {
+  const auto world = world_in(arguments["world"]);
+  const auto robot = robot_in(arguments["robot"]);
+  const auto* motion = arguments["motion"].get<Motion>();
+  for (const auto& [name, missing] : {std::pair{"world", !world}, {"robot", !robot}, {"motion", motion == nullptr}}) {
+    if (missing && arguments[name].given()) {
+      faults.attempt([&, name = name] { arguments.reject(name); });
+    }
+  }
+  ProblemSettings settings;
+  faults.attempt([&] { settings = problem_settings().read(arguments.options()); });
+  if (!faults.none() && (!world || !robot)) return;
+  if (!faults.attempt([&] { problem.scene = make_scene(*world, *robot); })) return;
+  problem.space = problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
+  if (motion != nullptr) {
+    problem.motion_model = *motion;
+    problem.space = state_space(problem.space, **motion);
+  }
+  problem.goal_tolerance = motion != nullptr && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance
+                                                                                     : settings.goal_tolerance;
+  problem.resolution = settings.resolution;
+  problem.contact_tolerance = settings.contact_tolerance;
+  faults.attempt([&] { problem.collision = backend_of(*problem.scene, settings.collision); });
+}
+
+int make_problem(Stack& call) {
+  lua::Faults faults;
+  const Arguments arguments(problem_construct(), call, faults);
+  if (!arguments.readable()) faults.raise();
+  Problem problem;
+  read_scene(arguments, problem, faults);
+  faults.attempt([&] {
+    problem.name = arguments.string("name").value_or("problem");
+    if (problem.name.empty()) throw Error("problem: field 'name' must not be empty");
+  });
+  const bool motion = arguments["motion"].given();
+  if (problem.scene && motion == static_cast<bool>(problem.motion_model)) {
+    if (const Value start = arguments["start"]; start.given()) {
+      faults.attempt([&] { problem.start = read_configuration(start, "field 'start'", problem); });
+    }
+    if (const Value goal = arguments["goal"]; goal.given()) {
+      faults.attempt([&] { read_goals(goal, problem); });
+    }
+  }
+  faults.raise();
+  try {
+    check(problem);
+  } catch (const Error& error) {
+    // A mesh of another unit often covers start and goal.
+    const std::string hint = unit_warning(problem);
+    if (hint.empty()) throw;
+    throw Error(fmt::format("{}; {}", error.what(), hint));
+  }
+  return call.result(std::move(problem));
+}
+
+void push_coordinates(Stack& call, View q) {
+  const Value list = call.push_table();
+  for (const double x : q) {
+    call.push(x);
+    call.append(list);
+  }
+}
+
+/// The members of a problem that a script may read, under the names of `problem`'s fields.
+const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
+  static const std::map<std::string, void (*)(Stack&, const Problem&)> fields = {
+      {"name", [](Stack& call, const Problem& p) { call.push(p.name); }},
+      {"world", [](Stack& call, const Problem& p) { push_world(call, *p.scene); }},
+      {"robot", [](Stack& call, const Problem& p) { push_robot(call, *p.scene); }},
+      {"motion",
+       [](Stack& call, const Problem& p) {
+         if (p.motion_model) {
+           call.push_object(p.motion_model);
+         } else {
+           call.push_nil();
+         }
+       }},
+      {"start", [](Stack& call, const Problem& p) { push_coordinates(call, p.start); }},
+      {"goal",
+       [](Stack& call, const Problem& p) {
+         if (p.goals.size() == 1) return push_coordinates(call, p.goal());
+         const Value list = call.push_table();
+         for (const Configuration& goal : p.goals) {
+           push_coordinates(call, goal);
+           call.append(list);
+         }
+       }},
+      {"goal_tolerance", [](Stack& call, const Problem& p) { call.push(p.goal_tolerance); }},
+      {"contact_tolerance", [](Stack& call, const Problem& p) { call.push(certificate_tolerance(p)); }},
+      {"resolution", [](Stack& call, const Problem& p) { call.push(p.resolution); }},
+      {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }}};
+  return fields;
+}
+
+int read_field(Stack& call) {
+  const auto* problem = call[1].get<Problem>();
+  const auto name = call[2].string();
+  const auto field = name ? readable().find(*name) : readable().end();
+  if (problem == nullptr || field == readable().end()) {
+    std::vector<std::string> known;
+    for (const auto& [key, read] : readable()) known.push_back(key);
+    throw Error(fmt::format("a problem has no field {}{}", call[2].describe(), name ? did_you_mean(*name, known) : ""));
+  }
+  field->second(call, *problem);
+  return 1;
+}
+
+int problem_text(Stack& call) {
+  const auto* problem = call[1].get<Problem>();
+  if (problem == nullptr) return call.result(call[1].describe());
+  return call.result(fmt::format("problem '{}' in {}", problem->name, problem->space.name()));
+}
+
+const Field scene_file = {"file", "string", "the name of a file",
+                          "looked for in the script's folder, then in the folder of scenes (TRELLIS_SCENES)", true};
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
+}
+
+/// The folders that a script may read: its own, and that of scenes if TRELLIS_SCENES names one.
+std::vector<std::string> scene_folders(const std::string& script_folder) {
+  const char* scenes = std::getenv("TRELLIS_SCENES");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  std::vector<std::string> folders = {script_folder};
+  if (scenes != nullptr && *scenes != '\0') folders.emplace_back(scenes);
+  return folders;
+}
+
+std::vector<std::filesystem::path> scene_paths(const std::string& file, const std::string& script_folder) {
+  if (std::filesystem::path(file).is_absolute()) return {std::filesystem::path(file).lexically_normal()};
+  std::vector<std::filesystem::path> paths;
+  for (const auto& folder : scene_folders(script_folder)) {
+    paths.push_back((std::filesystem::path(folder) / file).lexically_normal());
+  }
+  return paths;
+}
+
+/// \throws Error for a file outside of the folders of scenes.
+void require_within(const char* function, const std::string& file, const std::string& script_folder) {
+  if (lies_within(file, scene_folders(script_folder))) return;
+  throw Error(
+      fmt::format("{}: '{}' lies neither in the script's folder nor in the folder of scenes; --trust lets a script "
+                  "that you trust read it",
+                  function, file));
+}
+
+std::string file_argument(Stack& call, const char* function) {
+  const auto file = call[1].string();
+  if (!file || file->empty()) {
+    throw Error(fmt::format("{}: the file must be a string, as in {} \"ompl_tests/circle_obstacles.txt\", got {}",
+                            function, function, describe(call[1])));
+  }
+  return *file;
+}
+
+}  // namespace
+
+const Construct& problem_construct() {
+  static const Construct construct = {
+      .name = "problem",
+      .usage = "problem { world = w, robot = r, start = {1, 8.5, 0}, goal = {9, 1.5, 0} }",
+      .summary = "a planning problem: what the robot is, where it is, and where it is to go",
+      .list = "",
+      .element = "",
+      .fields =
+          {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
+           {"world", "trellis.World", "a world", "as world { ... } makes it", true},
+           {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
+           {"start", "number[]|trellis.Pose", "a list of numbers, or a pose",
+            "the start configuration, in metres and radians; with a motion model its velocities follow; of a body "
+            "in space its pose, or x, y, z and a quaternion x, y, z, w",
+            true},
+           {"goal", "number[]|number[][]|trellis.Pose|trellis.Pose[]", "a list of numbers or a pose, or a list of such",
+            "the goal configuration, in metres and radians, or several of which any will do", true},
+           {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
+            "how the robot is driven; without one it moves straight to any configuration"}},
+      .options = problem_settings().component(),
+      .returns = "trellis.Problem"};
+  return construct;
+}
+
+ObjectType problem_type() {
+  ObjectType type{"trellis.Problem", "a planning problem", "", {}, {}};
+  const Construct& construct = problem_construct();
+  for (Field field : construct.fields) {
+    if (readable().contains(field.name)) type.members.push_back(std::move(field));
+  }
+  for (const Option& option : construct.options.options) {
+    if (!readable().contains(option.name)) continue;
+    type.members.push_back({option.name, option.type == Option::Type::choice ? "string" : "number", "", option.doc});
+  }
+  return type;
+}
+
+namespace {
+
+std::vector<Field> load_fields() {
+  return {{"name", "string", "a string",
+           "how the report calls the problem, in place of the file's name for it; of n problems name/1 to name/n"},
+          {"robot", "trellis.Robot", "a robot",
+           "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m"},
+          {"start", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+           "the start, in place of the file's or where it has none"},
+          {"goal", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+           "the goal, in place of the file's or where it has none"}};
+}
+
+}  // namespace
+
+const Construct& load_construct() {
+  static const Construct construct = {.name = "scenes.load",
+                                      .usage = "scenes.load(\"ompl_tests/circle_obstacles.txt\", { resolution = 0.1 })",
+                                      .summary = "the problems in a scene file made by others",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = load_fields(),
+                                      .options = load_settings().component(),
+                                      .returns = "trellis.Problem[]",
+                                      .arguments = {scene_file}};
+  return construct;
+}
+
+const Construct& robot_file_construct() {
+  static const Construct construct = {.name = "scenes.robot",
+                                      .usage = "scenes.robot \"bench_mr/shared/car.svg\"",
+                                      .summary = "a robot with the outline that a drawing (SVG) of one shape has",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = {},
+                                      .options = {},
+                                      .returns = "trellis.Robot",
+                                      .arguments = {scene_file}};
+  return construct;
+}
+
+const Construct& exists_construct() {
+  static const Construct construct = {.name = "scenes.exists",
+                                      .usage = "scenes.exists \"ompl_tests/circle_obstacles.txt\"",
+                                      .summary = "whether there is a scene file that scenes.load would find",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = {},
+                                      .options = {},
+                                      .returns = "boolean",
+                                      .arguments = {scene_file}};
+  return construct;
+}
+
+std::string find_scene(const std::string& file, const std::string& script_folder) {
+  for (const auto& path : scene_paths(file, script_folder)) {
+    if (is_file(path)) return path.string();
+  }
+  return "";
+}
+
+std::string missing_scene(const std::string& file, const std::string& script_folder) {
+  std::string tried;
+  const auto paths = scene_paths(file, script_folder);
+  for (const auto& one : paths) tried += (tried.empty() ? "" : ", ") + one.string();
+  const bool no_scenes = paths.size() == 1 && !std::filesystem::path(file).is_absolute();
+  return fmt::format("no file '{}' (looked for {}{})", file, tried,
+                     no_scenes ? "; the environment's TRELLIS_SCENES names no folder of scenes" : "");
+}
+
+std::string scene_path(const char* function, const std::string& file, const ScriptPlace& place) {
+  if (!place.trust) require_within(function, file, place.folder);
+  std::string path = find_scene(file, place.folder);
+  if (path.empty()) throw Error(fmt::format("{}: {}", function, missing_scene(file, place.folder)));
+  // The reader refuses any other file, and says why.
+  if (place.watch && input_fault(path, largest_file).empty()) place.watch(file, path);
+  return path;
+}
+
+namespace {
+
+/// \throws Error unless the second argument of scenes.load is a table of fields and options
+void check_load_table(Stack& call) {
+  const Component& component = load_settings().component();
+  if (call.count() > 2 || call[2].type() != lua::Type::table) {
+    throw Error(fmt::format("scenes.load: after the file a table belongs, as {{ resolution = 0.1 }}, got {}",
+                            call.count() > 2 ? fmt::format("{} arguments", call.count()) : describe(call[2])));
+  }
+  std::vector<std::string> known;
+  for (const Field& field : load_construct().fields) known.push_back(field.name);
+  for (const Option& option : component.options) known.push_back(option.name);
+  const lua::Keys keys = call[2].keys();
+  if (keys.length > 0 || !keys.odd.empty()) throw Error("scenes.load: options have names, as in { resolution = 0.1 }");
+  lua::Faults faults;
+  for (const auto& name : keys.names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    faults.add(fmt::format("scenes.load: unknown option '{}'{}; its options are: {}", name, did_you_mean(name, known),
+                           fmt::join(known, ", ")));
+  }
+  faults.raise();
+}
+
+/// Reads the table of scenes.load: the name, the robot, start and goal, and the options into `given`.
+ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, std::optional<std::string>& name) {
+  ReadOptions options;
+  if (call.count() < 2) return options;
+  check_load_table(call);
+  lua::Faults faults;
+  for (const Option& option : load_settings().component().options) {
+    const Value value = call[2].field(option.name);
+    if (value.given()) {
+      faults.attempt([&] { read_option(load_settings().component(), option.name, value, given); });
+    }
+  }
+  if (const Value value = call[2].field("name"); value.given()) {
+    faults.attempt([&] {
+      name = value.string();
+      if (!name || name->empty()) {
+        throw Error(
+            fmt::format("scenes.load: option 'name' must be a string that is not empty, got {}", describe(value)));
+      }
+    });
+  }
+  if (const Value value = call[2].field("robot"); value.given()) {
+    faults.attempt([&] {
+      const auto robot = robot_in(value);
+      if (!robot) {
+        throw Error(fmt::format("scenes.load: option 'robot' must be a robot, as scenes.robot \"car.svg\", got {}",
+                                describe(value)));
+      }
+      if (const auto* planar = std::get_if<Robot>(&*robot)) options.robot = *planar;
+      if (!options.robot) throw Error("scenes.load: option 'robot' must be a robot of the plane");
+    });
+  }
+  const auto read_end = [&](const char* name, Configuration& end, std::optional<Pose3>& as_pose) {
+    const Value value = call[2].field(name);
+    if (!value.given()) return;
+    faults.attempt([&] {
+      if (const auto* pose = value.get<Pose3>()) {
+        as_pose = *pose;
+      } else {
+        end = read_numbers(value, fmt::format("scenes.load: option '{}'", name));
+      }
+    });
+  };
+  read_end("start", options.start, options.start_pose);
+  read_end("goal", options.goal, options.goal_pose);
+  faults.raise();
+  return options;
+}
+
+}  // namespace
+
+namespace {
+
+void add_warning(std::string warning, std::vector<std::string>& warnings) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
+}
+
+}  // namespace
+
+lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::string>> warnings) {
+  return [place = std::move(place), warnings = std::move(warnings)](Stack& call) {
+    const std::string file = file_argument(call, "scenes.load");
+    const std::string path = scene_path("scenes.load", file, place);
+    std::vector<Options::Entry> given;
+    std::optional<std::string> name;
+    ReadOptions options = read_load_fields(call, given, name);
+    const auto settings = load_settings().read(validated(load_settings().component(), given));
+    const bool weighted =
+        std::any_of(given.begin(), given.end(), [](const auto& option) { return option.first == "weight"; });
+    options.weight = weighted ? settings.weight : 0.0;
+    options.resolution = settings.resolution;
+    options.motion = settings.motion;
+    options.goal_tolerance = settings.goal_tolerance;
+    options.map_server = settings.map_server == "ros1" ? MapServer::ros1 : MapServer::nav2;
+    std::vector<std::string> found;
+    auto problems = read_problems(path, options, &found);
+    for (const std::string& warning : found) {
+      // Those of the files that a scene names begin with their paths.
+      const bool placed = is_file(warning.substr(0, warning.find(':')));
+      add_warning(fmt::format("scenes.load: {}{}", placed ? "" : file + ": ", warning), *warnings);
+    }
+    const Value list = call.push_table();
+    std::size_t count = 0;
+    for (auto& problem : problems) {
+      ++count;
+      if (name) problem.name = problems.size() == 1 ? *name : fmt::format("{}/{}", *name, count);
+      problem.collision = backend_of(*problem.scene, settings.collision);
+      problem.contact_tolerance = settings.contact_tolerance;
+      resolve_goal(problem);
+      call.push_object(std::move(problem));
+      call.append(list);
+    }
+    return 1;
+  };
+}
+
+lua::Callback robot_loader(ScriptPlace place) {
+  return [place = std::move(place)](Stack& call) {
+    return call.result(read_robot(scene_path("scenes.robot", file_argument(call, "scenes.robot"), place)));
+  };
+}
+
+lua::Callback scene_finder(std::string script_folder, bool trust) {
+  return [folder = std::move(script_folder), trust](Stack& call) {
+    const std::string file = file_argument(call, "scenes.exists");
+    if (!trust) require_within("scenes.exists", file, folder);
+    return call.result(!find_scene(file, folder).empty());
+  };
+}
+
+void open_problem(Stack& stack) {
+  stack.declare<Problem>({{"__tostring", problem_text}, {"__index", read_field}});
+  stack.push_function(make_problem);
+  stack.set_global(problem_construct().name);
+}
+
+}  // namespace trellis::dsl
