@@ -26,7 +26,7 @@ struct Guard {
   /// The coroutines whose variables are being closed, one within the other.
   static unsigned& closing(lua_State* state) { return State::of(state).closing_; }
   /// Pushes the value that a call with a mistake returns.
-  static void push_unmade(lua_State* state);
+  static void push_failed_value(lua_State* state);
   [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).work_.ended; }
   [[nodiscard]] static std::size_t longest_string(lua_State* state) { return State::of(state).budget_.longest_string; }
 };

@@ -40,12 +40,12 @@ int element(Stack& call) {
     call.push_nil();
     return 1;
   }
-  Guard::push_unmade(call.state());
+  Guard::push_failed_value(call.state());
   return 1;
 }
 
-int unmade(Stack& call) {
-  Guard::push_unmade(call.state());
+int failed_value(Stack& call) {
+  Guard::push_failed_value(call.state());
   return 1;
 }
 
@@ -56,7 +56,7 @@ int pairs_of_one(Stack& call) {
       return 1;
     }
     step.push(std::int64_t{1});
-    Guard::push_unmade(step.state());
+    Guard::push_failed_value(step.state());
     return 2;
   });
   return 1;
@@ -76,8 +76,8 @@ bool Faults::attempt(const std::function<void()>& body) {
   try {
     body();
     return true;
-  } catch (const Unmade&) {
-    unmade_ = true;
+  } catch (const FailedValue&) {
+    failed_value_ = true;
   } catch (const Located&) {
     throw;
   } catch (const SeveralFaults& several) {
@@ -93,10 +93,10 @@ bool Faults::attempt(const std::function<void()>& body) {
 void Faults::raise() const {
   if (messages_.size() == 1) throw Error(messages_.front());
   if (!messages_.empty()) throw SeveralFaults(messages_);
-  if (unmade_) throw Unmade();
+  if (failed_value_) throw FailedValue();
 }
 
-void declare_unmade(Stack& stack) {
+void declare_failed_value(Stack& stack) {
   Metamethods all = {{"__index", element},
                      {"__pairs", pairs_of_one},
                      {"__newindex", [](Stack&) { return 0; }},
@@ -104,9 +104,9 @@ void declare_unmade(Stack& stack) {
                      {"__tostring", [](Stack& call) { return call.result("?"); }}};
   for (const char* event : {"__call", "__add", "__sub", "__mul", "__div", "__mod", "__pow", "__unm", "__idiv", "__band",
                             "__bor", "__bxor", "__bnot", "__shl", "__shr", "__lt", "__le", "__concat"}) {
-    all.emplace_back(event, unmade);
+    all.emplace_back(event, failed_value);
   }
-  stack.declare<Unmade>(all);
+  stack.declare<FailedValue>(all);
 }
 
 }  // namespace trellis::lua

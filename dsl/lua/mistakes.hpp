@@ -50,14 +50,15 @@ class SeveralFaults : public Error {
   std::vector<std::string> messages_;
 };
 
-/// A call received a value that an earlier mistake left unmade. That mistake has been recorded: nothing else is.
-class Unmade : public std::exception {
+/// A call received a value that an earlier mistake left without a value. That mistake has been recorded: nothing else
+/// is.
+class FailedValue : public std::exception {
  public:
   [[nodiscard]] const char* what() const noexcept override { return "a value that could not be made"; }
 };
 
 template <>
-struct TypeName<Unmade> {
+struct TypeName<FailedValue> {
   static constexpr const char* value = "value that could not be made";
 };
 
@@ -73,17 +74,17 @@ class Faults {
   /// Calls `body` and records its Error. Returns whether there was none.
   bool attempt(const std::function<void()>& body);
   void add(std::string message) { messages_.push_back(std::move(message)); }
-  [[nodiscard]] bool none() const { return messages_.empty() && !unmade_; }
-  /// \throws Error, SeveralFaults or Unmade if `attempt` recorded one.
+  [[nodiscard]] bool none() const { return messages_.empty() && !failed_value_; }
+  /// \throws Error, SeveralFaults or FailedValue if `attempt` recorded one.
   void raise() const;
 
  private:
   std::vector<std::string> messages_;
-  bool unmade_ = false;
+  bool failed_value_ = false;
 };
 
 /// Declares the type of the value that a call with a mistake returns: every operation with it gives another such value,
-/// as a list it has one element, and Value::describe throws Unmade for it.
-void declare_unmade(Stack& stack);
+/// as a list it has one element, and Value::describe throws FailedValue for it.
+void declare_failed_value(Stack& stack);
 
 }  // namespace trellis::lua

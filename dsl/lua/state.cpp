@@ -75,7 +75,7 @@ int Guard::run(lua_State* state, const Callback& body) {
   try {
     Stack stack(state);
     return body(stack);
-  } catch (const Unmade&) {
+  } catch (const FailedValue&) {
     noted = true;
   } catch (const Located& error) {
     message = error.what();
@@ -102,7 +102,7 @@ int Guard::run(lua_State* state, const Callback& body) {
   }
   lua_settop(state, 0);
   if (noted) {
-    push_unmade(state);
+    push_failed_value(state);
     return 1;
   }
   State::of(state).work_.raised = message;
@@ -110,7 +110,7 @@ int Guard::run(lua_State* state, const Callback& body) {
   return lua_error(state);
 }
 
-void Guard::push_unmade(lua_State* state) { Stack(state).push_object(Unmade()); }
+void Guard::push_failed_value(lua_State* state) { Stack(state).push_object(FailedValue()); }
 
 void Guard::pass_on(lua_State* state) {
   if (State::of(state).work_.ended) State::unwind(state);

@@ -53,7 +53,7 @@ class State : public std::enable_shared_from_this<State> {
   /// must not return. `body` may call run() again on the same thread: the inner run has its own counts and limits.
   /// \param limits    must outlive the call
   /// \param mistakes  receives the Errors of callbacks that a file of the user calls, except within pcall: such a call
-  ///                  then raises nothing and returns a value that other calls accept (declare_unmade)
+  ///                  then raises nothing and returns a value that other calls accept (declare_failed_value)
   void run(const std::function<void(Stack&)>& body, const Limits& limits = {},
            std::vector<Mistake>* mistakes = nullptr);
 

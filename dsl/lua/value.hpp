@@ -75,7 +75,7 @@ class Value {
     return boxed != nullptr ? &boxed->value : nullptr;
   }
   /// Describes it for messages: "a guide", "a table", "3.5", "\"abc\"", "nothing".
-  /// \throws Unmade for a value that a mistake left unmade
+  /// \throws FailedValue for a value that a mistake left without a value
   [[nodiscard]] std::string describe() const;
   /// Returns the result of tostring.
   [[nodiscard]] std::string text() const;

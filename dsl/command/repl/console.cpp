@@ -290,13 +290,13 @@ std::string differences(const Experiment& before, const Experiment& after) {
 Console::Console(const std::string& folder, bool colour, const dsl::SessionOptions& options,
                  std::function<bool(const std::string& question)> confirmed)
     : session_(folder, options) {
-  if (confirmed) bench_.confirmed = std::move(confirmed);
-  bench_.screen = [colour] { return screen(colour); };
-  bench_.interrupted = InterruptibleSession::requested;
-  bench_.forget_interruption = InterruptibleSession::forget;
+  if (confirmed) state_.confirmed = std::move(confirmed);
+  state_.screen = [colour] { return screen(colour); };
+  state_.interrupted = InterruptibleSession::requested;
+  state_.forget_interruption = InterruptibleSession::forget;
   session_.with([this](Stack& stack) {
     open_runs(stack);
-    open_verbs(stack, bench_);
+    open_verbs(stack, state_);
   });
 }
 
@@ -305,11 +305,11 @@ std::string Console::load(const std::string& path) {
   std::string bound;
   session_.run(text, path, [&](Stack& stack) {
     if (stack.size() == 0) return;  // the script may only define globals
-    bench_.returned = stack[1].get<dsl::Program>() != nullptr ? Bench::Returned::experiment
-                      : stack[1].type() == Type::table        ? Bench::Returned::table
-                                                              : Bench::Returned::pair;
-    bench_.script = dsl::read_program(stack, 1);
-    const Experiment& experiment = bench_.script->experiment;
+    state_.returned = stack[1].get<dsl::Program>() != nullptr ? SessionState::Returned::experiment
+                      : stack[1].type() == Type::table        ? SessionState::Returned::table
+                                                              : SessionState::Returned::pair;
+    state_.script = dsl::read_program(stack, 1);
+    const Experiment& experiment = state_.script->experiment;
     stack.resize(0);
     const auto note = [&](const std::string& field, const std::string& what) {
       bound += fmt::format("  {:<32} {}\n", field, what);
@@ -338,13 +338,13 @@ std::string Console::load(const std::string& path) {
       bound += fmt::format("  {:<32} is the script's; {} is the session's word here\n", "_G." + name, name);
     }
   });
-  bench_.path = path;
+  state_.path = path;
   return bound.empty() ? fmt::format("{} returns nothing; its globals are there\n", path)
                        : fmt::format("{} is bound to script:\n{}", path, bound);
 }
 
 void Console::reload() {
-  const std::optional<dsl::Program> before = bench_.script;
+  const std::optional<dsl::Program> before = state_.script;
   session_.with([](Stack& stack) {
     // Modules run again where the script requires them; those of the standard library do not change.
     const auto standard = dsl::module_names();
@@ -355,22 +355,22 @@ void Console::reload() {
       stack.set_field(modules, name);
     }
   });
-  static_cast<void>(load(bench_.path));
+  static_cast<void>(load(state_.path));
   std::string changes;
-  if (before && bench_.script) {
-    changes = differences(before->experiment, bench_.script->experiment);
-    for (const Problem& problem : bench_.script->experiment.problems) {
+  if (before && state_.script) {
+    changes = differences(before->experiment, state_.script->experiment);
+    for (const Problem& problem : state_.script->experiment.problems) {
       // The session's last problem was the script's: take the new one.
       const auto& old = before->experiment.problems;
       const bool scripts = std::any_of(old.begin(), old.end(), [&](const Problem& p) {
-        return bench_.problem && p.name == bench_.problem->name && p.scene == bench_.problem->scene;
+        return state_.problem && p.name == state_.problem->name && p.scene == state_.problem->scene;
       });
-      if (scripts && problem.name == bench_.problem->name) bench_.problem = problem;
+      if (scripts && problem.name == state_.problem->name) state_.problem = problem;
     }
   }
   print_all(changes.empty()
-                ? fmt::format("{} read again: its strategies, problems and seeds are the same\n", bench_.path)
-                : fmt::format("{} read again:\n{}", bench_.path, changes));
+                ? fmt::format("{} read again: its strategies, problems and seeds are the same\n", state_.path)
+                : fmt::format("{} read again:\n{}", state_.path, changes));
 }
 
 void Console::print_warnings() {
@@ -380,12 +380,12 @@ void Console::print_warnings() {
 Console::Verdict Console::run(const std::string& typed, bool more) {
   const std::string input = as_input(typed);
   const std::string name = fmt::format("@input {}", inputs_ + 1);
-  bench_.used = false;
-  bench_.announced = nullptr;
+  state_.used = false;
+  state_.announced = nullptr;
   bool incomplete = false;
-  const std::string last_input = std::exchange(bench_.last_input, input);
-  bench_.inputs.resize(inputs_);
-  bench_.inputs.push_back(input);
+  const std::string last_input = std::exchange(state_.last_input, input);
+  state_.inputs.resize(inputs_);
+  state_.inputs.push_back(input);
   try {
     session_.with([&](Stack& stack) {
       std::string no_expression;
@@ -399,27 +399,27 @@ Console::Verdict Console::run(const std::string& typed, bool more) {
         }
       }
       // edit() offers the input before the one that calls it.
-      const std::string own = std::exchange(bench_.last_input, last_input);
+      const std::string own = std::exchange(state_.last_input, last_input);
       stack.call(0);
-      if (!bench_.edits) bench_.last_input = own;
+      if (!state_.edits) state_.last_input = own;
       std::fflush(stdout);
       const int values = stack.size();
       for (int i = 1; i <= values; ++i) {
-        if (bench_.announced == nullptr || stack[i].identity() != bench_.announced) {
+        if (state_.announced == nullptr || stack[i].identity() != state_.announced) {
           print_all(shown(stack, stack[i]));
         }
         stack.resize(values);
       }
     });
     if (incomplete) {
-      bench_.last_input = last_input;
+      state_.last_input = last_input;
       return Verdict::incomplete;
     }
     ++inputs_;
     print_warnings();
     accept(input);
     warn_of_locals(input);
-    if (std::exchange(bench_.reloads, false)) reload();
+    if (std::exchange(state_.reloads, false)) reload();
     std::fflush(stdout);
     InterruptibleSession::forget();
     return Verdict::done;
@@ -451,7 +451,7 @@ void Console::accept(const std::string& input) {
   const auto all = dsl::tokens(input);
   if (all.empty()) return;
   // Inputs that only print are no statements, `return` would end the script, and scripts have no session commands.
-  bool statement = !bench_.used && all.front().text != "return";
+  bool statement = !state_.used && all.front().text != "return";
   std::set<std::string> assigned;
   session_.with([&](Stack& stack) {
     std::string why;
@@ -460,17 +460,17 @@ void Console::accept(const std::string& input) {
     for (const lua::GlobalUse& use : lua::global_uses(stack, chunk ? input : "return " + input, "=input")) {
       if (use.set) assigned.insert(use.name);
       // What a comment has made is not there when the script runs.
-      if (!use.set && bench_.lost.contains(use.name)) statement = false;
+      if (!use.set && state_.lost.contains(use.name)) statement = false;
     }
   });
-  bench_.accepted.push_back(statement ? input : commented(input));
+  state_.accepted.push_back(statement ? input : commented(input));
   for (const std::string& name : assigned) {
     const std::string text = statement ? "" : literal(name);
-    if (!text.empty()) bench_.accepted.push_back(fmt::format("{} = {}", name, text));
+    if (!text.empty()) state_.accepted.push_back(fmt::format("{} = {}", name, text));
     if (statement || !text.empty()) {
-      bench_.lost.erase(name);
+      state_.lost.erase(name);
     } else {
-      bench_.lost.insert(name);
+      state_.lost.insert(name);
     }
   }
 }
@@ -559,16 +559,16 @@ Completion Console::complete(const std::string& text) {
 }
 
 std::string Console::edited() {
-  if (!std::exchange(bench_.edits, false)) return "";
+  if (!std::exchange(state_.edits, false)) return "";
   namespace fs = std::filesystem;
   try {
-    std::string path = bench_.to_edit;
+    std::string path = state_.to_edit;
     if (!path.empty()) {
       open_editor(path);
       return dsl::without_shebang(dsl::read_file(path));
     }
     path = (fs::temp_directory_path() / fmt::format("trellis-{}.lua", ::getpid())).string();
-    write_file(path, bench_.last_input + "\n");
+    write_file(path, state_.last_input + "\n");
     std::string text;
     try {
       open_editor(path);

@@ -33,7 +33,7 @@ class Console {
   /// Returns completions; `text` is the input up to the cursor, including its earlier lines.
   Completion complete(const std::string& text);
 
-  [[nodiscard]] bool over() const { return bench_.over; }
+  [[nodiscard]] bool over() const { return state_.over; }
   /// Opens an editor if an input requested one. Returns the edited text to run, "" for none.
   std::string edited();
 
@@ -48,7 +48,7 @@ class Console {
   /// Runs the script again and says what has changed. \throws Error
   void reload();
 
-  Bench bench_;
+  SessionState state_;
   dsl::Session session_;
   std::size_t inputs_ = 0;
   bool warned_ = false;

@@ -118,7 +118,7 @@ Problem problem_argument(const std::string& verb, Value value) {
 }
 
 /// Returns the session's name of a strategy: the global that contains it, its name in the script, else its text.
-std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strategy) {
+std::string name_of(Stack& call, const SessionState& state, const StrategySpec& strategy) {
   std::string name;
   const int before = call.size();
   call.push_globals().each_pair([&](Value key, Value value) {
@@ -129,8 +129,8 @@ std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strateg
   });
   call.resize(before);
   if (!name.empty()) return name;
-  if (bench.script) {
-    for (const auto& [given, spec] : bench.script->experiment.strategies) {
+  if (state.script) {
+    for (const auto& [given, spec] : state.script->experiment.strategies) {
       if (spec == strategy) return given;
     }
   }
@@ -194,11 +194,11 @@ std::string scene_call(Stack& call, const Problem& problem) {
 
 /// The lines that give a saved script what a loaded one gave the session.
 /// \param file  the saved script, from whose folder its modules are loaded
-std::string requiring_lines(const Bench& bench, const std::string& file) {
-  if (bench.path.empty()) return "";
+std::string requiring_lines(const SessionState& state, const std::string& file) {
+  if (state.path.empty()) return "";
   namespace fs = std::filesystem;
   const fs::path folder = fs::absolute(fs::path(file)).parent_path().lexically_normal();
-  std::string name = fs::absolute(fs::path(bench.path)).lexically_normal().lexically_relative(folder).string();
+  std::string name = fs::absolute(fs::path(state.path)).lexically_normal().lexically_relative(folder).string();
   const bool below = name.ends_with(".lua") && !name.starts_with("..");
   if (below) name.resize(name.size() - std::string_view(".lua").size());
   const bool plain = std::all_of(name.begin(), name.end(),
@@ -207,25 +207,25 @@ std::string requiring_lines(const Bench& bench, const std::string& file) {
     throw Error(
         fmt::format("save: '{0}' requires the loaded script, and only a file in its folder '{1}' or above it can "
                     "(with names of letters, digits and '_'); save into that folder",
-                    file, fs::absolute(fs::path(bench.path)).lexically_normal().parent_path().string()));
+                    file, fs::absolute(fs::path(state.path)).lexically_normal().parent_path().string()));
   }
   std::replace(name.begin(), name.end(), '/', '.');
-  switch (bench.returned) {
-    case Bench::Returned::nothing: return fmt::format("require \"{}\"\n", name);
-    case Bench::Returned::experiment: return fmt::format("local script = require \"{}\"\n", name);
-    case Bench::Returned::table:
+  switch (state.returned) {
+    case SessionState::Returned::nothing: return fmt::format("require \"{}\"\n", name);
+    case SessionState::Returned::experiment: return fmt::format("local script = require \"{}\"\n", name);
+    case SessionState::Returned::table:
       return fmt::format(
           "local returned = require \"{}\"\n"
           "local script = {{ strategies = {{ strategy = returned.strategy }}, problems = {{ returned.problem }}, seeds "
           "= "
           "{{ 1 }} }}\n",
           name);
-    case Bench::Returned::pair: break;
+    case SessionState::Returned::pair: break;
   }
   throw Error(
       fmt::format("save: '{}' returns two values, of which require gives one; let it return {{ strategy = ..., "
                   "problem = ... }}",
-                  bench.path));
+                  state.path));
 }
 
 /// Returns the lines of the standard library that define a field of a module, with their place; "" for none.
@@ -255,7 +255,7 @@ std::string module_lines(const std::string& path) {
 /// Implements the session commands.
 class Verbs {
  public:
-  explicit Verbs(Bench& bench) : bench_(bench) {}
+  explicit Verbs(SessionState& state) : state_(state) {}
 
   int plan(Stack& call) { return begin(call, "plan", std::numeric_limits<std::uint64_t>::max()); }
   int start(Stack& call) { return begin(call, "start", 0); }
@@ -320,7 +320,7 @@ class Verbs {
       throw Error(fmt::format("efficiency: a target belongs here, as tube {{ delta = 0.5 }}, got {}",
                               dsl::describe(call[next])));
     }
-    score(run, measure, bench_.interrupted);
+    score(run, measure, state_.interrupted);
     say(efficiency_text(run.result(), width()));
     return 0;
   }
@@ -337,7 +337,7 @@ class Verbs {
       write_own("plot", *file, plot_picture(run, level, *file, view));
       say(fmt::format("{} written", *file));
     } else {
-      print_drawing(plot_text(run, level, bench_.screen(), view));
+      print_drawing(plot_text(run, level, state_.screen(), view));
     }
     return 0;
   }
@@ -368,16 +368,16 @@ class Verbs {
     }
     const StrategySpec strategy = strategy_argument("time", value);
     const Problem problem = given ? *given : usual_problem(call, of_script(strategy)).problem;
-    time_runs(name_of(call, bench_, strategy), strategy, problem, count);
+    time_runs(name_of(call, state_, strategy), strategy, problem, count);
     return 0;
   }
 
   int reload(Stack& call) {
     if (call.count() > 0) throw Error("reload: it takes nothing: reload()");
-    if (bench_.path.empty()) {
+    if (state_.path.empty()) {
       throw Error("reload: this session was begun without a script; trellis repl SCRIPT begins with one");
     }
-    bench_.reloads = true;
+    state_.reloads = true;
     return 0;
   }
 
@@ -428,7 +428,7 @@ class Verbs {
   int replay(Stack& call) {
     if (const auto file = call[1].string()) {
       const auto index = natural("replay: the number of the run", call[2], 1);
-      Replayed replayed = replay_file(*file, static_cast<std::int64_t>(index), bench_.interrupted);
+      Replayed replayed = replay_file(*file, static_cast<std::int64_t>(index), state_.interrupted);
       add(replayed.run);
       say(replayed.text + "\n" + outcome_text(*replayed.run));
       return announce(call, replayed.run);
@@ -440,8 +440,8 @@ class Verbs {
                  .problem = run.problem,
                  .seed = run.seed};
     // Stops a run that was stopped before at the same position.
-    advance(again, run.ended() ? std::numeric_limits<std::uint64_t>::max() : run.proposals, bench_.interrupted);
-    if (bench_.interrupted()) {
+    advance(again, run.ended() ? std::numeric_limits<std::uint64_t>::max() : run.proposals, state_.interrupted);
+    if (state_.interrupted()) {
       say("interrupted before there was anything to compare");
       return 0;
     }
@@ -460,7 +460,7 @@ class Verbs {
       result =
           trellis::tune(program.experiment, *program.tuning,
                         {.progress = [&](std::size_t done, std::size_t all) { progress.show("planning", done, all); },
-                         .interrupted = bench_.interrupted});
+                         .interrupted = state_.interrupted});
     }
     const StrategySpec& best = program.experiment.strategies[result.winner].second;
     Value problem = call[2];
@@ -468,18 +468,18 @@ class Verbs {
       call.push(std::int64_t{1});
       problem = call.get(problem, call.top());
     }
-    bench_.problem = program.experiment.problems.front();
-    bench_.expression = expression_of(call, problem);
-    bench_.planned = {best.text(), best.text(), bench_.expression, *bench_.problem};
-    say(tuning_text(program.experiment, *program.tuning, result, bench_.screen().columns));
+    state_.problem = program.experiment.problems.front();
+    state_.expression = expression_of(call, problem);
+    state_.planned = {best.text(), best.text(), state_.expression, *state_.problem};
+    say(tuning_text(program.experiment, *program.tuning, result, state_.screen().columns));
     call.push_object(best);
-    bench_.announced = call.top().identity();
+    state_.announced = call.top().identity();
     return 1;
   }
 
   int runs(Stack& call) {
     const Value list = call.push_table();
-    for (const auto& run : bench_.runs) {
+    for (const auto& run : state_.runs) {
       call.push_object(run);
       call.append(list);
     }
@@ -492,20 +492,20 @@ class Verbs {
       return 1;
     }
     const auto number = natural("run: its number", call[1], 1);
-    if (number > bench_.runs.size()) {
-      throw Error(fmt::format("run: there are {} runs, got {}", bench_.runs.size(), number));
+    if (number > state_.runs.size()) {
+      throw Error(fmt::format("run: there are {} runs, got {}", state_.runs.size(), number));
     }
-    bench_.current = bench_.runs[static_cast<std::size_t>(number) - 1];
-    call.push_object(bench_.current);
+    state_.current = state_.runs[static_cast<std::size_t>(number) - 1];
+    call.push_object(state_.current);
     return 1;
   }
 
   int edit(Stack& call) {
-    bench_.to_edit = call[1].string().value_or("");
-    if (call[1].given() && bench_.to_edit.empty()) {
+    state_.to_edit = call[1].string().value_or("");
+    if (call[1].given() && state_.to_edit.empty()) {
       throw Error(fmt::format("edit: the name of a file belongs here, got {}", dsl::describe(call[1])));
     }
-    bench_.edits = true;
+    state_.edits = true;
     return 0;
   }
 
@@ -516,17 +516,17 @@ class Verbs {
                               dsl::describe(call[1])));
     }
     std::string text = "-- The inputs of a session of trellis repl; those that print or plan are comments.\n";
-    text += requiring_lines(bench_, *file);
-    for (const auto& input : bench_.accepted) text += input + "\n";
+    text += requiring_lines(state_, *file);
+    for (const auto& input : state_.accepted) text += input + "\n";
     std::string strategy;
     std::string problem;
-    if (const auto& planned = bench_.planned) {
-      const auto lost = [&](const std::string& expression) { return bench_.lost.contains(root_of(expression)); };
+    if (const auto& planned = state_.planned) {
+      const auto lost = [&](const std::string& expression) { return state_.lost.contains(root_of(expression)); };
       strategy = lost(planned->strategy) ? planned->text : planned->strategy;
       problem =
           planned->problem.empty() || lost(planned->problem) ? scene_call(call, planned->instance) : planned->problem;
     }
-    if (!bench_.planned) {
+    if (!state_.planned) {
       text += "-- Nothing was planned: end this with 'return strategy, problem' to run it.\n";
     } else if (problem.empty()) {
       text += fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n", strategy);
@@ -534,12 +534,12 @@ class Verbs {
       text += fmt::format("return {}, {}\n", strategy, problem);
     }
     write_own("save", *file, text);
-    say(fmt::format("{} written: {} inputs", *file, bench_.accepted.size()));
+    say(fmt::format("{} written: {} inputs", *file, state_.accepted.size()));
     return 0;
   }
 
   int help(Stack& call) const {
-    const std::size_t columns = std::min(bench_.screen().columns, dsl::help_width);
+    const std::size_t columns = std::min(state_.screen().columns, dsl::help_width);
     if (!call[1].given()) {
       say(verbs_text("", columns) + "\nhelp(\"words\") lists the words of the language.\n");
       return 0;
@@ -558,7 +558,7 @@ class Verbs {
   }
 
   int quit(Stack&) {
-    bench_.over = true;
+    state_.over = true;
     return 0;
   }
 
@@ -579,17 +579,17 @@ class Verbs {
     require_writable_file(file);
     require_own(verb, file);
     write_file(file, content);
-    bench_.written[absolute(file)] = content;
+    state_.written[absolute(file)] = content;
   }
 
   void require_own(std::string_view verb, const std::string& file) const {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) return;
-    const auto written = bench_.written.find(absolute(file));
-    if (written != bench_.written.end() && dsl::read_file(file) == written->second) return;
-    const char* why = written == bench_.written.end() ? "is there, and this session did not write it"
+    const auto written = state_.written.find(absolute(file));
+    if (written != state_.written.end() && dsl::read_file(file) == written->second) return;
+    const char* why = written == state_.written.end() ? "is there, and this session did not write it"
                                                       : "has changed since this session wrote it";
-    if (bench_.confirmed(fmt::format("'{}' {}. Replace it? [y/N] ", file, why))) return;
+    if (state_.confirmed(fmt::format("'{}' {}. Replace it? [y/N] ", file, why))) return;
     throw Error(fmt::format("{0}: '{1}' {2}; it is left as it is: {0} under another name", verb, file, why));
   }
 
@@ -599,7 +599,7 @@ class Verbs {
       constexpr std::string_view input = "input ";
       if (!definition.chunk.starts_with(input)) return dsl::read_file(definition.chunk);
       const auto number = static_cast<std::size_t>(std::atoll(definition.chunk.c_str() + input.size()));
-      return number >= 1 && number <= bench_.inputs.size() ? bench_.inputs[number - 1] : "";
+      return number >= 1 && number <= state_.inputs.size() ? state_.inputs[number - 1] : "";
     }
     const std::string name = std::filesystem::path(definition.chunk).stem().string();
     return dsl::module_text(name).value_or("");
@@ -617,9 +617,9 @@ class Verbs {
                  std::uint64_t count) const {
     std::vector<CensoredCost> milliseconds;
     std::vector<CensoredCost> checks;
-    for (std::uint64_t seed = 1; seed <= count && !bench_.interrupted(); ++seed) {
+    for (std::uint64_t seed = 1; seed <= count && !state_.interrupted(); ++seed) {
       const RunRecord run =
-          run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted, .lift = false}).run;
+          run_cell(name, strategy, problem, seed, {.interrupted = state_.interrupted, .lift = false}).run;
       if (run.status == Status::interrupted) break;
       milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
       checks.push_back({static_cast<double>(run.validity_checks), run.solved});
@@ -651,29 +651,29 @@ class Verbs {
     return 0;
   }
 
-  [[nodiscard]] int width() const { return static_cast<int>(bench_.screen().columns); }
+  [[nodiscard]] int width() const { return static_cast<int>(state_.screen().columns); }
 
   [[nodiscard]] Measure measure() const {
-    if (bench_.script && bench_.script->experiment.measure) return *bench_.script->experiment.measure;
+    if (state_.script && state_.script->experiment.measure) return *state_.script->experiment.measure;
     return {};
   }
 
   void add(const RunPointer& run) {
-    run->number = bench_.runs.size() + 1;
-    bench_.runs.push_back(run);
-    bench_.current = run;
-    bench_.problem = run->problem;
+    run->number = state_.runs.size() + 1;
+    state_.runs.push_back(run);
+    state_.current = run;
+    state_.problem = run->problem;
   }
 
   /// Returns a run that was already printed.
   int announce(Stack& call, const RunPointer& run) {
     call.push_object(run);
-    bench_.announced = call.top().identity();
+    state_.announced = call.top().identity();
     return 1;
   }
 
   void go_on(Run& run, std::uint64_t proposals) const {
-    if (!run.ended()) advance(run, proposals, bench_.interrupted);
+    if (!run.ended()) advance(run, proposals, state_.interrupted);
   }
 
   int begin(Stack& call, const std::string& verb, std::uint64_t proposals) {
@@ -695,40 +695,40 @@ class Verbs {
                               dsl::describe(call[next])));
     }
     if (!problem) problem = usual_problem(call, of_script(strategy));
-    std::string name = name_of(call, bench_, strategy);
+    std::string name = name_of(call, state_, strategy);
     const std::string text = strategy.text();
     std::string expression = expression_of(call, call[1]);
     if (expression.empty()) expression = text;
     auto run = std::make_shared<Run>(Run{
         .strategy_name = std::move(name), .strategy = std::move(strategy), .problem = problem->problem, .seed = seed});
-    advance(*run, proposals, bench_.interrupted);
+    advance(*run, proposals, state_.interrupted);
     add(run);
-    bench_.expression = problem->expression;
-    bench_.planned = {std::move(expression), text, problem->expression, problem->problem};
+    state_.expression = problem->expression;
+    state_.planned = {std::move(expression), text, problem->expression, problem->problem};
     say(outcome_text(*run));
     return announce(call, run);
   }
 
   /// Whether the loaded script has this strategy.
   [[nodiscard]] bool of_script(const StrategySpec& strategy) const {
-    if (!bench_.script) return false;
-    const auto& all = bench_.script->experiment.strategies;
+    if (!state_.script) return false;
+    const auto& all = state_.script->experiment.strategies;
     return std::any_of(all.begin(), all.end(), [&](const auto& entry) { return entry.second == strategy; });
   }
 
   /// Returns the problem of a run that names none: the last one, but the script's for the script's own strategies.
   NamedProblem usual_problem(Stack& call, bool scripts) {
-    const bool has_problems = bench_.script && !bench_.script->experiment.problems.empty();
-    if (has_problems && (scripts || !bench_.problem)) {
-      const auto& problems = bench_.script->experiment.problems;
+    const bool has_problems = state_.script && !state_.script->experiment.problems.empty();
+    if (has_problems && (scripts || !state_.problem)) {
+      const auto& problems = state_.script->experiment.problems;
       // The last problem may be one of several of the script.
       const auto last = std::find_if(problems.begin(), problems.end(), [&](const Problem& problem) {
-        return bench_.problem && problem.name == bench_.problem->name && problem.scene == bench_.problem->scene;
+        return state_.problem && problem.name == state_.problem->name && problem.scene == state_.problem->scene;
       });
       const Problem& chosen = last != problems.end() ? *last : problems.front();
       return {chosen, field_path("script.problems", chosen.name)};
     }
-    if (bench_.problem) return {*bench_.problem, bench_.expression};
+    if (state_.problem) return {*state_.problem, state_.expression};
     call.load("return require('scenes').simple_passage()", "=repl");
     call.call(0);
     return {problem_argument("plan", call.top()), "scenes.simple_passage()"};
@@ -740,8 +740,8 @@ class Verbs {
       ++next;
       return *run;
     }
-    if (!bench_.current) throw Error(fmt::format("{}: there is no run yet; plan(strategy) makes one", verb));
-    return bench_.current;
+    if (!state_.current) throw Error(fmt::format("{}: there is no run yet; plan(strategy) makes one", verb));
+    return state_.current;
   }
 
   /// The same for a command without other arguments.
@@ -809,7 +809,7 @@ class Verbs {
       const Value value = call[i];
       if (value.type() != Type::table) {
         StrategySpec strategy = strategy_argument(verb, value);
-        std::string name = name_of(call, bench_, strategy);
+        std::string name = name_of(call, state_, strategy);
         add(std::move(name), std::move(strategy));
         continue;
       }
@@ -847,12 +847,12 @@ class Verbs {
     if (!problem) {
       NamedProblem usual = usual_problem(call, scripts);
       problem = std::move(usual.problem);
-      bench_.expression = std::move(usual.expression);
+      state_.expression = std::move(usual.expression);
     } else {
-      bench_.expression.clear();
+      state_.expression.clear();
     }
     experiment.problems = {*problem};
-    bench_.problem = experiment.problems.front();
+    state_.problem = experiment.problems.front();
     return experiment;
   }
 
@@ -866,13 +866,13 @@ class Verbs {
       result = run_or_part(
           experiment,
           {.progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
-           .interrupted = bench_.interrupted},
+           .interrupted = state_.interrupted},
           finished);
     }
     say(summary_text(experiment, result, width()).substr(1));
     if (!finished.empty()) {
       say(fmt::format("interrupted; this is what was finished: {}", finished));
-      bench_.forget_interruption();
+      state_.forget_interruption();
     }
     return 0;
   }
@@ -892,7 +892,7 @@ class Verbs {
     return name;
   }
 
-  Bench& bench_;
+  SessionState& state_;
 };
 
 }  // namespace
@@ -978,13 +978,13 @@ int assign_name(Stack& call) {
 
 }  // namespace
 
-void open_verbs(Stack& stack, Bench& bench) {
-  const auto verbs = std::make_shared<Verbs>(bench);
+void open_verbs(Stack& stack, SessionState& state) {
+  const auto verbs = std::make_shared<Verbs>(state);
   stack.on_missing(stack.push_hidden(typed_environment), read_name, assign_name);
   const Value commands = push_verbs(stack);
   const auto add = [&](const char* name, auto method) {
-    stack.push_function([verbs, &bench, method](Stack& call) {
-      bench.used = true;
+    stack.push_function([verbs, &state, method](Stack& call) {
+      state.used = true;
       return ((*verbs).*method)(call);
     });
     stack.set_field(commands, name);

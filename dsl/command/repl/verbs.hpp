@@ -29,7 +29,7 @@ std::span<const Verb> verbs();
 std::string verbs_text(std::string_view name = "", std::size_t width = dsl::help_width);
 
 /// The state that the session commands share.
-struct Bench {
+struct SessionState {
   std::function<Screen()> screen;
   std::function<bool()> interrupted;
   std::function<void()> forget_interruption;
@@ -75,8 +75,8 @@ std::string change_of(const Problem& before, const Problem& after);
 std::string field_path(const std::string& table, const std::string& name);
 
 /// Makes the session commands. They are in the environment of what a person types, not among the globals: scripts,
-/// modules and their functions do not have them. The bench must outlive the interpreter.
-void open_verbs(lua::Stack& stack, Bench& bench);
+/// modules and their functions do not have them. The state must outlive the interpreter.
+void open_verbs(lua::Stack& stack, SessionState& state);
 
 /// The hidden table that is the environment of typed inputs: the session commands, and the globals, which inputs read
 /// and assign.

@@ -109,7 +109,7 @@ std::optional<std::pair<std::string, double>> nearest_obstacle(const SpatialScen
 }
 
 /// The findings on one problem.
-struct Look {
+struct Examined {
   const Problem* problem = nullptr;
   std::optional<End> start;
   std::optional<End> goal;
@@ -118,10 +118,10 @@ struct Look {
 };
 
 /// Examines the problems of a file; those that share a scene share its checker.
-class Looker {
+class Examiner {
  public:
-  Look at(const Problem& problem, bool closely) {
-    Look look{&problem, {}, {}};
+  Examined at(const Problem& problem, bool closely) {
+    Examined look{&problem, {}, {}};
     if (!problem.start.empty()) look.start = end(problem, problem.start, closely);
     if (!problem.goals.empty()) look.goal = end(problem, problem.goal(), closely);
     return look;
@@ -261,9 +261,9 @@ class Report {
  public:
   Report(std::string path, const SceneFile& file, const std::string& wanted) : path_(std::move(path)), file_(file) {
     choose(wanted);
-    Looker looker;
+    Examiner examiner;
     for (std::size_t i = 0; i < file.problems.size(); ++i) {
-      looks_.push_back(looker.at(file.problems[i], i == chosen_));
+      looks_.push_back(examiner.at(file.problems[i], i == chosen_));
       with_ends_ += looks_.back().start && looks_.back().goal ? 1U : 0U;
       valid_ += looks_.back().valid() ? 1U : 0U;
     }
@@ -274,7 +274,7 @@ class Report {
   [[nodiscard]] std::string text() const {
     const Problem& problem = chosen();
     const Scene& scene = *problem.scene;
-    const Look& look = looks_[chosen_];
+    const Examined& look = looks_[chosen_];
     std::string text = fmt::format("{}: {}\n\n", path_, file_.format);
     const auto line = [&](const char* name, const std::string& value) {
       text += fmt::format("  {:<9} {}\n", name, value);
@@ -373,7 +373,7 @@ class Report {
   std::string path_;
   const SceneFile& file_;
   std::size_t chosen_ = 0;
-  std::vector<Look> looks_;
+  std::vector<Examined> looks_;
   std::size_t with_ends_ = 0;
   std::size_t valid_ = 0;
 };

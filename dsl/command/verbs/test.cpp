@@ -61,9 +61,9 @@ struct Tally {
 };
 
 /// Prints the results of a scenario as they arrive.
-class Teller {
+class ScenarioPrinter {
  public:
-  explicit Teller(JunitCase& into) : into_(into) {}
+  explicit ScenarioPrinter(JunitCase& into) : into_(into) {}
 
   void say(const std::string& text) {
     print_all(text);
@@ -77,7 +77,7 @@ class Teller {
   JunitCase& into_;
 };
 
-void judge(const dsl::Step& step, Teller& teller, Tally& tally) {
+void judge(const dsl::Step& step, ScenarioPrinter& printer, Tally& tally) {
   const auto& [trial, matcher] = *step.expectation;
   ++tally.expectations;
   trial::Verdict verdict;
@@ -88,21 +88,21 @@ void judge(const dsl::Step& step, Teller& teller, Tally& tally) {
   }
   const std::string sentence = trial::sentence(trial, *matcher, verdict);
   if (verdict.holds) {
-    teller.say(fmt::format("  ok    {}\n", sentence));
+    printer.say(fmt::format("  ok    {}\n", sentence));
     return;
   }
   ++tally.failed_expectations;
-  teller.say(fmt::format("  FAIL  {}\n{}", sentence,
-                         indented(fmt::format("at {}:{}\n{}", step.where.script, step.where.line,
-                                              trial::evidence(trial, *matcher, verdict, table_width)))));
-  teller.fail(sentence);
+  printer.say(fmt::format("  FAIL  {}\n{}", sentence,
+                          indented(fmt::format("at {}:{}\n{}", step.where.script, step.where.line,
+                                               trial::evidence(trial, *matcher, verdict, table_width)))));
+  printer.fail(sentence);
 }
 
 /// Runs a scenario and prints its result.
 JunitCase try_scenario(dsl::ScenarioFile& file, std::size_t index, Tally& tally) {
   JunitCase result;
   result.name = file.names()[index];
-  Teller teller(result);
+  ScenarioPrinter printer(result);
   const auto begin = std::chrono::steady_clock::now();
   ++tally.scenarios;
   print_all(fmt::format("\nscenario: {}\n", result.name));
@@ -110,16 +110,16 @@ JunitCase try_scenario(dsl::ScenarioFile& file, std::size_t index, Tally& tally)
     const dsl::Scenario& scenario = file.play(index);
     bool expected = false;
     for (const dsl::Step& step : scenario.steps) {
-      if (step.kind == dsl::Step::Kind::given) teller.say(fmt::format("  given {}\n", step.text));
-      if (step.kind == dsl::Step::Kind::when) teller.say(fmt::format("  when  {}\n", step.text));
+      if (step.kind == dsl::Step::Kind::given) printer.say(fmt::format("  given {}\n", step.text));
+      if (step.kind == dsl::Step::Kind::when) printer.say(fmt::format("  when  {}\n", step.text));
       if (step.kind != dsl::Step::Kind::expect) continue;
       expected = true;
-      judge(step, teller, tally);
+      judge(step, printer, tally);
     }
     if (!expected) throw Error(scenario.where.prefix() + "the scenario expects nothing; write expect(trial, matcher)");
   } catch (const Error& error) {
     result.error = error.what();
-    teller.say(fmt::format("  ERROR {}\n", error.what()));
+    printer.say(fmt::format("  ERROR {}\n", error.what()));
   }
   if (!result.failure.empty() || !result.error.empty()) ++tally.failed_scenarios;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -71,7 +71,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   book->each = call_limits(options.instructions);
   const ScriptPlace place{folder, options.trust, options.watch};
   open_libraries(stack, options.trust);
-  declare_unmade(stack);
+  declare_failed_value(stack);
   book->random = open_random(stack, options.seed);
   check_components(stack);
   open_algebra(stack, place, book->warnings);

@@ -52,8 +52,9 @@ bool is_reported(const lua::Mistake& unknown, const std::vector<lua::Mistake>& m
 
 /// Whether Lua reports an operation with the result of a call that had a mistake.
 bool follows_a_mistake(const std::string& message) {
-  constexpr std::array<std::string_view, 4> signs = {lua::TypeName<lua::Unmade>::value, "'for' initial value must be",
-                                                     "'for' limit must be", "'for' step must be"};
+  constexpr std::array<std::string_view, 4> signs = {lua::TypeName<lua::FailedValue>::value,
+                                                     "'for' initial value must be", "'for' limit must be",
+                                                     "'for' step must be"};
   return std::any_of(signs.begin(), signs.end(),
                      [&](std::string_view sign) { return message.find(sign) != std::string::npos; });
 }
@@ -168,7 +169,7 @@ void Session::run(const std::string& text, const std::string& name, const std::f
           [&](lua::Stack& stack) {
             stack.load(text, "@" + name);
             stack.call(0);
-            if (!mistakes.empty() && stack.size() == 0) return;  // the value that it would return may be unmade
+            if (!mistakes.empty() && stack.size() == 0) return;  // the value that it would return may be missing
             try {
               read(stack);
             } catch (const Error& error) {

@@ -82,7 +82,7 @@ class UserDraws {
  public:
   UserDraws(std::shared_ptr<const UserFunctions> functions, const UserTarget::Context& context)
       : functions_(std::move(functions)),
-        occasion_(context.occasion),
+        scored_(context.scored),
         space_(context.problem.space),
         problem_(context.problem.name),
         draws_(context.draws) {
@@ -132,21 +132,20 @@ class UserDraws {
   }
 
   [[noreturn]] void fail(const std::string& which, const std::string& why) const {
-    const std::string run =
-        occasion_ ? fmt::format(", strategy '{}', seed {}", occasion_->strategy, occasion_->seed) : "";
+    const std::string run = scored_ ? fmt::format(", strategy '{}', seed {}", scored_->strategy, scored_->seed) : "";
     throw lua::Located(fmt::format("{}target: {} (problem '{}'{}): {}", functions_->where, which, problem_, run, why));
   }
 
   /// "log_density at (1, 2), node 3 of 50 of lazy() >> rrt, level 1".
   [[nodiscard]] std::string asked_at(View q) const {
     std::string which = fmt::format("log_density at {}", coordinates_of(q));
-    if (!occasion_ || occasion_->samples == nullptr) return which;
-    const Configurations& samples = *occasion_->samples;
+    if (!scored_ || scored_->samples == nullptr) return which;
+    const Configurations& samples = *scored_->samples;
     std::size_t i = 0;
     while (i < samples.size() && !std::equal(q.begin(), q.end(), samples[i].begin(), samples[i].end())) ++i;
-    which += i < samples.size() ? fmt::format(", {} {} of {}", occasion_->role, i + 1, samples.size())
-                                : fmt::format(", for the {}s", occasion_->role);
-    return which + " of " + occasion_->level;
+    which += i < samples.size() ? fmt::format(", {} {} of {}", scored_->role, i + 1, samples.size())
+                                : fmt::format(", for the {}s", scored_->role);
+    return which + " of " + scored_->level;
   }
 
   void ask(const std::string& which, const std::function<void(Stack&)>& body) const {
@@ -184,7 +183,7 @@ class UserDraws {
 
   std::shared_ptr<const UserFunctions> functions_;
   std::shared_ptr<const lua::Reference> context_;
-  std::shared_ptr<const UserTarget::Occasion> occasion_;  // nullptr outside of an experiment
+  std::shared_ptr<const UserTarget::ScoredSamples> scored_;  // nullptr outside of an experiment
   Space space_;
   std::string problem_;
   std::int64_t draws_;

@@ -26,7 +26,7 @@ namespace trellis {
 /// A target that a user defines: a distribution over the root's space. Every level's samples are lifted to be scored.
 struct UserTarget : TargetSettings {
   /// The context of the calls of its functions; scoring updates it.
-  struct Occasion {
+  struct ScoredSamples {
     const Problem* problem = nullptr;
     std::string strategy;
     std::uint64_t seed = 0;
@@ -36,10 +36,10 @@ struct UserTarget : TargetSettings {
   };
   struct Context {
     const Problem& problem;
-    const Configurations& path;                     ///< the run's path
-    std::int64_t draws = 0;                         ///< the requested number of draws
-    std::uint64_t seed = 0;                         ///< the seed of the draws
-    std::shared_ptr<const Occasion> occasion = {};  ///< of this call, and of later calls of the density
+    const Configurations& path;                        ///< the run's path
+    std::int64_t draws = 0;                            ///< the requested number of draws
+    std::uint64_t seed = 0;                            ///< the seed of the draws
+    std::shared_ptr<const ScoredSamples> scored = {};  ///< of this call, and of later calls of the density
   };
   /// Called from the thread that called run(), in a fixed order.
   std::function<Target::Distribution(const Context&)> make;

@@ -83,7 +83,7 @@ class ProblemScoring {
         headline_only_(measure_.estimators == default_estimators()) {
     const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
                                       [&](const Problem& p) { return p.name == runs_.front()->problem; });
-    occasion_->problem = &*problem;
+    scored_->problem = &*problem;
   }
 
   /// \param pooled  receives the pooled scores, appended
@@ -153,10 +153,10 @@ class ProblemScoring {
     }
     if (const auto* user = std::get_if<UserTarget>(&measure_.target); user != nullptr && root) {
       const auto draws = std::max(user->pool, user->points);
-      const Problem& problem = *occasion_->problem;
-      *occasion_ = {&problem, run.strategy, run.seed, "", "", nullptr};
+      const Problem& problem = *scored_->problem;
+      *scored_ = {&problem, run.strategy, run.seed, "", "", nullptr};
       return {std::make_shared<const Target>(Target::distribution(
-                  record.space, *user, user->make({problem, path, draws, measure_seed + run.seed, occasion_}))),
+                  record.space, *user, user->make({problem, path, draws, measure_seed + run.seed, scored_}))),
               ""};
     }
     return {nullptr, "the target lies in the root's space"};
@@ -289,16 +289,16 @@ class ProblemScoring {
   /// reads it.
   void tell(const RunResult& run, const LevelRecord& record) const {
     if (!users_) return;
-    occasion_->strategy = run.strategy;
-    occasion_->seed = run.seed;
-    occasion_->level =
+    scored_->strategy = run.strategy;
+    scored_->seed = run.seed;
+    scored_->level =
         level_path(record, [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)].record; });
   }
   /// Sets the samples of the context.
   void tell(const char* role, const Configurations& samples) const {
     if (!users_) return;
-    occasion_->role = role;
-    occasion_->samples = &samples;
+    scored_->role = role;
+    scored_->samples = &samples;
   }
 
   /// The effort of a score.
@@ -473,7 +473,7 @@ class ProblemScoring {
 
   /// Returns the motion model of a level; nullptr where its motions are straight.
   [[nodiscard]] const MotionModel* model_of(const LevelRecord& record) const {
-    const MotionModel* const model = occasion_->problem->motion_model.get();
+    const MotionModel* const model = scored_->problem->motion_model.get();
     const bool driven =
         model != nullptr && find_planner(record.planner)->kinodynamic && model->dimension() == record.space.dimension();
     return driven ? model : nullptr;
@@ -672,7 +672,7 @@ class ProblemScoring {
   std::size_t equal_proposals_ = 0;
   bool users_;          // the target is a script's
   bool headline_only_;  // no other estimator is requested
-  std::shared_ptr<UserTarget::Occasion> occasion_ = std::make_shared<UserTarget::Occasion>();
+  std::shared_ptr<UserTarget::ScoredSamples> scored_ = std::make_shared<UserTarget::ScoredSamples>();
 };
 
 }  // namespace

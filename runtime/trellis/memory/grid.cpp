@@ -142,9 +142,9 @@ std::vector<double> path_lengths_to(const WorldGrid& grid, std::size_t to) {
 namespace {
 
 /// Computes the features of the cells of one grid.
-class Looker {
+class CellFeatures {
  public:
-  Looker(const WorldGrid& grid, Vec2 start, Vec2 goal)
+  CellFeatures(const WorldGrid& grid, Vec2 start, Vec2 goal)
       : grid_(grid),
         start_(start),
         goal_(goal),
@@ -237,9 +237,9 @@ class Looker {
 
 std::vector<double> features(const WorldGrid& grid, Vec2 start, Vec2 goal) {
   std::vector<double> all(grid.size() * cell_features, 0.0);
-  Looker looker(grid, start, goal);
+  CellFeatures of_cell(grid, start, goal);
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
-    if (grid.free(cell)) looker.look(cell, all.data() + cell * cell_features);
+    if (grid.free(cell)) of_cell.look(cell, all.data() + cell * cell_features);
   }
   return all;
 }
