@@ -3,7 +3,9 @@
 // compile.
 #include <CGAL/Boolean_set_operations_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
+#include <CGAL/Polygon_2_algorithms.h>
 #include <CGAL/Polygon_with_holes_2.h>
 #include <CGAL/minkowski_sum_2.h>
 #include <fmt/format.h>
@@ -11,10 +13,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/planar/planar_box_tree.hpp>
 #include <trellis/scene/planar/polygon.hpp>
 
 namespace trellis {
@@ -32,12 +37,18 @@ ExactPolygon exact(const std::vector<Vec2>& vertices) {
   return polygon;
 }
 
-// A lazy number rounds from its interval, which depends on its history; the exact value does not.
-double nearest_double(const Kernel::FT& x) { return CGAL::to_double(x.exact()); }
+// A lazy number rounds from its interval, which depends on its history; the exact value does not, nor does an interval
+// of one double.
+double nearest_double(const Kernel::FT& x) {
+  const auto [least, greatest] = CGAL::to_interval(x);
+  return least == greatest ? least : CGAL::to_double(x.exact());
+}
+double nearest_double(double x) { return x; }
 
 // Rounds to doubles, removes collinear vertices (exactly collinear ones, and those that coincide after rounding) and
 // starts at the least vertex, so that equal sets give equal results.
-Polygon rounded(const ExactPolygon& polygon) {
+template <class Points>
+Polygon rounded(const Points& polygon) {
   Polygon result;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -60,20 +71,69 @@ bool before(const Polygon& a, const Polygon& b) {
                                       [](Vec2 p, Vec2 q) { return std::tie(p.x, p.y) < std::tie(q.x, q.y); });
 }
 
+// Removes what is narrower than the rounding, and sorts.
+std::vector<PolygonWithHoles> canonical(std::vector<PolygonWithHoles> polygons) {
+  const auto narrow = [](const Polygon& loop) { return loop.vertices.size() < 3; };
+  for (auto& polygon : polygons) {
+    std::erase_if(polygon.holes, narrow);
+    std::sort(polygon.holes.begin(), polygon.holes.end(), before);
+  }
+  std::erase_if(polygons, [&](const PolygonWithHoles& p) { return narrow(p.outer); });
+  std::sort(polygons.begin(), polygons.end(),
+            [](const PolygonWithHoles& a, const PolygonWithHoles& b) { return before(a.outer, b.outer); });
+  return polygons;
+}
+
+PolygonWithHoles rounded(const ExactWithHoles& polygon) {
+  PolygonWithHoles result;
+  result.outer = rounded(polygon.outer_boundary());
+  for (auto hole = polygon.holes_begin(); hole != polygon.holes_end(); ++hole) result.holes.push_back(rounded(*hole));
+  return result;
+}
+
 template <class Range>
 std::vector<PolygonWithHoles> rounded_all(const Range& polygons) {
   std::vector<PolygonWithHoles> result;
-  for (const ExactWithHoles& polygon : polygons) {
-    PolygonWithHoles& out = result.emplace_back();
-    out.outer = rounded(polygon.outer_boundary());
-    for (auto hole = polygon.holes_begin(); hole != polygon.holes_end(); ++hole) out.holes.push_back(rounded(*hole));
-    // Remove holes narrower than the rounding.
-    std::erase_if(out.holes, [](const Polygon& hole) { return hole.vertices.size() < 3; });
-    std::sort(out.holes.begin(), out.holes.end(), before);
+  for (const ExactWithHoles& polygon : polygons) result.push_back(rounded(polygon));
+  return canonical(std::move(result));
+}
+
+// Returns a polygon that overlaps no other one as its part of their union. No point of it is constructed, so doubles
+// suffice.
+PolygonWithHoles alone(const Polygon& polygon) {
+  using Doubles = CGAL::Exact_predicates_inexact_constructions_kernel;
+  std::vector<Doubles::Point_2> points;
+  points.reserve(polygon.vertices.size());
+  for (const Vec2 v : polygon.vertices) points.emplace_back(v.x, v.y);
+  if (CGAL::orientation_2(points.begin(), points.end(), Doubles()) == CGAL::CLOCKWISE) {
+    std::reverse(points.begin(), points.end());
   }
-  std::erase_if(result, [](const PolygonWithHoles& p) { return p.outer.vertices.size() < 3; });
-  std::sort(result.begin(), result.end(),
-            [](const PolygonWithHoles& a, const PolygonWithHoles& b) { return before(a.outer, b.outer); });
+  return {rounded(points), {}};
+}
+
+// Returns the indices of the polygons in groups: those of different groups have boxes that do not meet.
+std::vector<std::vector<std::uint32_t>> groups_of(const std::vector<Polygon>& polygons) {
+  std::vector<Box2> boxes;
+  boxes.reserve(polygons.size());
+  for (const auto& polygon : polygons) boxes.push_back(bounding_box(polygon));
+  const PlanarBoxTree tree(boxes);
+  std::vector<std::uint32_t> root(polygons.size());
+  std::iota(root.begin(), root.end(), 0U);
+  const auto root_of = [&](std::uint32_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (std::uint32_t i = 0; i < polygons.size(); ++i) {
+    tree.each([&](const Box2& other) { return boxes_meet(boxes[i], other); },
+              [&](std::uint32_t j) {
+                if (j < i && boxes_meet(boxes[i], boxes[j])) root[root_of(j)] = root_of(i);
+              });
+  }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
+  for (std::uint32_t i = 0; i < polygons.size(); ++i) groups[root_of(i)].push_back(i);
+  std::vector<std::vector<std::uint32_t>> result;
+  result.reserve(groups.size());
+  for (auto& group : groups) result.push_back(std::move(group.second));
   return result;
 }
 
@@ -93,12 +153,20 @@ ExactPolygon circumscribed(double radius, int vertices) {
 }  // namespace
 
 std::vector<PolygonWithHoles> polygon_union(const std::vector<Polygon>& polygons) {
-  std::vector<ExactPolygon> given;
-  given.reserve(polygons.size());
-  for (const auto& polygon : polygons) given.push_back(exact(polygon.vertices));
-  std::vector<ExactWithHoles> joined;
-  CGAL::join(given.begin(), given.end(), std::back_inserter(joined));
-  return rounded_all(joined);
+  std::vector<PolygonWithHoles> result;
+  for (const auto& group : groups_of(polygons)) {
+    if (group.size() == 1) {
+      result.push_back(alone(polygons[group.front()]));
+      continue;
+    }
+    std::vector<ExactPolygon> given;
+    given.reserve(group.size());
+    for (const std::uint32_t i : group) given.push_back(exact(polygons[i].vertices));
+    std::vector<ExactWithHoles> joined;
+    CGAL::join(given.begin(), given.end(), std::back_inserter(joined));
+    for (const auto& polygon : joined) result.push_back(rounded(polygon));
+  }
+  return canonical(std::move(result));
 }
 
 std::vector<PolygonWithHoles> polygon_offset(const Polygon& polygon, double distance, int arc_vertices) {

@@ -12,7 +12,6 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -21,6 +20,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/cache_by_world.hpp>
+#include <trellis/scene/planar/planar_box_tree.hpp>
 #include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/planar/segment_voronoi.hpp>
 
@@ -34,18 +34,28 @@ bool before(Vec2 a, Vec2 b) { return std::tie(a.x, a.y) < std::tie(b.x, b.y); }
 class Clearance {
  public:
   Clearance(const Box2& bounds, const std::vector<ConvexShape>& shapes) : bounds_(bounds) {
-    for (const auto& shape : shapes) parts_.emplace_back(bounding_box(shape), shape);
+    std::vector<Box2> boxes;
+    boxes.reserve(shapes.size());
+    for (const auto& shape : shapes) boxes.push_back(bounding_box(shape));
+    tree_ = PlanarBoxTree(boxes);
+    shapes_.reserve(shapes.size());
+    for (const std::uint32_t i : tree_.order()) shapes_.push_back(shapes[i]);
   }
 
   double operator()(Vec2 p) const {
     double nearest = std::min({p.x - bounds_.lo.x, bounds_.hi.x - p.x, p.y - bounds_.lo.y, bounds_.hi.y - p.y});
-    for (const auto& [box, shape] : parts_) {
-      if (nearest <= 0.0) break;
+    if (nearest <= 0.0) return nearest;
+    // Allow for rounding, so that the order of equally near obstacles does not change the last digit.
+    double squared = (1.0 + 1e-12) * nearest * nearest;
+    const auto bound = [&](const Box2& box) {
       const double dx = std::max({box.lo.x - p.x, p.x - box.hi.x, 0.0});
       const double dy = std::max({box.lo.y - p.y, p.y - box.hi.y, 0.0});
-      // Allow for rounding, so that the order of equally near obstacles does not change the last digit.
-      if (dx * dx + dy * dy <= (1.0 + 1e-12) * nearest * nearest) nearest = std::min(nearest, to(shape, p));
-    }
+      return dx * dx + dy * dy;
+    };
+    tree_.nearest(squared, bound, [&](std::size_t rank) {
+      nearest = std::min(nearest, to(shapes_[rank], p));
+      squared = nearest > 0.0 ? (1.0 + 1e-12) * nearest * nearest : 0.0;
+    });
     return nearest;
   }
 
@@ -66,7 +76,8 @@ class Clearance {
   }
 
   Box2 bounds_;
-  std::vector<std::pair<Box2, ConvexShape>> parts_;
+  PlanarBoxTree tree_;
+  std::vector<ConvexShape> shapes_;  ///< in the tree's order
 };
 
 // ---- the boundary of the free space ----------------------------------------------------------------------------
@@ -165,15 +176,25 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
     std::move(piece.holes.begin(), piece.holes.end(), std::back_inserter(loops));
   }
 
+  std::vector<Box2> disc_boxes;
+  for (const Disc& disc : border.discs) {
+    const Vec2 reach{disc.radius + tolerance, disc.radius + tolerance};
+    disc_boxes.push_back({disc.centre - reach, disc.centre + reach});
+  }
+  const PlanarBoxTree disc_tree(disc_boxes);
   for (const auto& loop : loops) {
     const std::size_t first = border.points.size(), n = loop.vertices.size();
     for (std::size_t i = 0; i < n; ++i) {
       const Vec2 a = loop.vertices[i], b = loop.vertices[(i + 1) % n];
       int source = no_disc;
-      for (std::size_t d = 0; d < disc_polygons.size() && source == no_disc; ++d) {
-        if (norm(a - border.discs[d].centre) > border.discs[d].radius + tolerance) continue;
-        if (along_edge(disc_polygons[d], a, b, tolerance)) source = static_cast<int>(d);
-      }
+      disc_tree.each(
+          [&](const Box2& box) { return box.lo.x <= a.x && a.x <= box.hi.x && box.lo.y <= a.y && a.y <= box.hi.y; },
+          [&](std::uint32_t item) {
+            const int d = static_cast<int>(item);
+            if (source != no_disc && source < d) return;
+            if (norm(a - border.discs[item].centre) > border.discs[item].radius + tolerance) return;
+            if (along_edge(disc_polygons[item], a, b, tolerance)) source = d;
+          });
       border.points.push_back(a);
       border.segments.emplace_back(first + i, first + (i + 1) % n);
       border.segment_disc.push_back(source);
@@ -182,13 +203,6 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
       const int incoming = border.segment_disc[first + (i + n - 1) % n], outgoing = border.segment_disc[first + i];
       border.point_disc.push_back(incoming == outgoing ? outgoing : no_disc);
     }
-  }
-  // Insert the centre of each disc as a site. The diagram inside obstacles is discarded, but CGAL has to compute it,
-  // and the bisectors of all edges of a regular polygon meet in one point. There predicates require exact arithmetic,
-  // which is a hundred times slower. A site at the centre avoids that degenerate vertex.
-  for (const Disc& disc : border.discs) {
-    border.points.push_back(disc.centre);
-    border.point_disc.push_back(no_disc);
   }
   return border;
 }
@@ -384,37 +398,20 @@ class Builder {
 
  private:
   void name_features() {
-    std::map<std::pair<double, double>, int> disc_of_point;
-    for (std::size_t i = 0; i < border_.points.size(); ++i) {
-      disc_of_point.emplace(std::pair(border_.points[i].x, border_.points[i].y), border_.point_disc[i]);
-    }
-    using Ends = std::tuple<double, double, double, double>;
-    const auto ends = [](Vec2 a, Vec2 b) {
-      if (before(b, a)) std::swap(a, b);
-      return Ends{a.x, a.y, b.x, b.y};
-    };
-    std::map<Ends, int> disc_of_segment;
-    for (std::size_t i = 0; i < border_.segments.size(); ++i) {
-      const auto [a, b] = border_.segments[i];
-      disc_of_segment.emplace(ends(border_.points[a], border_.points[b]), border_.segment_disc[i]);
-    }
     for (const auto& site : diagram_.sites) {
       int disc = no_disc;
-      if (site.point) {
-        const auto found = disc_of_point.find({site.a.x, site.a.y});
-        if (found != disc_of_point.end()) disc = found->second;
-      } else {
-        const auto found = disc_of_segment.find(ends(site.a, site.b));
-        if (found != disc_of_segment.end()) disc = found->second;
-      }
-      disc_.push_back(disc);
       Feature flat;
       flat.at = site.a;
       if (!site.point) {
-        const Vec2 along = (1.0 / norm(site.b - site.a)) * (site.b - site.a);
-        flat.line = true;
-        flat.normal = {-along.y, along.x};
+        const auto [a, b] = border_.segments[site.source];
+        const Vec2 start = border_.points[a], to = border_.points[b] - start;
+        const Vec2 along = (1.0 / norm(to)) * to;
+        flat = {true, start, {-along.y, along.x}};
+        disc = border_.segment_disc[site.source];
+      } else if (site.source != SegmentVoronoi::no_source) {
+        disc = border_.point_disc[site.source];
       }
+      disc_.push_back(disc);
       flat_.push_back(flat);
       if (disc == no_disc) {
         exact_.push_back(flat);
@@ -519,10 +516,11 @@ class Builder {
     const Vec2 start = flat_position_[edge.from], end = flat_position_[edge.to];
     const bool round = disc_[a] != no_disc || disc_[b] != no_disc;
     std::function<Vec2(double)> flat = [=](double t) { return start + t * (end - start); };
-    if (flat_[a].line != flat_[b].line) {
-      // A point and a segment: a parabola over the segment's line, in coordinates along and across that line.
-      const Feature &line = flat_[a].line ? flat_[a] : flat_[b], &focus = flat_[a].line ? flat_[b] : flat_[a];
-      const double side = dot(line.normal, focus.at - line.at);
+    const Feature &line = flat_[a].line ? flat_[a] : flat_[b], &focus = flat_[a].line ? flat_[b] : flat_[a];
+    const double side = dot(line.normal, focus.at - line.at);
+    if (flat_[a].line != flat_[b].line && std::abs(side) > tiny_) {
+      // A point and a segment: a parabola over the segment's line, in coordinates along and across that line. A point
+      // on the line has the chord.
       const Vec2 across = side < 0.0 ? -1.0 * line.normal : line.normal;
       const Vec2 along{across.y, -across.x};
       const double height = std::abs(side);
@@ -541,9 +539,11 @@ class Builder {
     const auto point = [&](double t) { return round ? refined(flat(t), bisector, spacing_) : flat(t); };
 
     std::vector<Vec2> points = {position_[node_[edge.from]]};
+    // No arc inside the boundary is nearly as long.
+    const auto most = static_cast<std::size_t>(16.0 * diagonal_ / spacing_) + 16;
     const std::function<void(double, double, Vec2)> fill = [&](double t0, double t1, Vec2 last) {
       constexpr double finest = 1e-6;
-      if (norm(last - points.back()) <= spacing_ || t1 - t0 < finest) {
+      if (norm(last - points.back()) <= spacing_ || t1 - t0 < finest || points.size() > most) {
         points.push_back(last);
         return;
       }
