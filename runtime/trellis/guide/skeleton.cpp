@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -19,9 +20,12 @@
 #include <trellis/guide/position.hpp>
 #include <trellis/guide/position_guide.hpp>
 #include <trellis/planner/nearest.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/skeleton.hpp>
 #include <trellis/scene/spatial/ball_graph.hpp>
+#include <trellis/scene/spatial/box_tree.hpp>
+#include <trellis/scene/spatial/ranges.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
@@ -124,23 +128,114 @@ double distance(View a, View b) {
   return a.size() == 2 ? std::hypot(x, y) : std::hypot(x, y, a[2] - b[2]);
 }
 
+/// What the graphs of all runs in a world share: the skeleton's edges that are wide enough, without start and goals.
+struct SkeletonBase {
+  Graph graph;
+  std::vector<std::vector<double>> clearances;  ///< for each edge, along its points, metres
+  /// For each edge, the two points in its middle, which are the same one where the number of its points is odd.
+  Configurations middles;
+  BoxTree tree;  ///< of the edges; in the plane, z is 0
+};
+
+/// The least clearance of an edge, and the weights of the axes that edges are measured with.
+using SkeletonKey = std::pair<double, std::vector<double>>;
+
+Vec3 corner_of(View p) { return {p[0], p[1], p.size() > 2 ? p[2] : 0.0}; }
+
+template <class Skeleton>
+SkeletonBase make_base(const Skeleton& skeleton, const Space& space, double clearance) {
+  SkeletonBase base;
+  base.middles = Configurations(space.dimension());
+  base.middles.reserve(2 * skeleton.edges.size());
+  std::vector<Box3> boxes;
+  for (const auto& edge : skeleton.edges) {
+    const double least = *std::min_element(edge.clearance.begin(), edge.clearance.end());
+    if (least < clearance) continue;
+    Configurations points(space.dimension());
+    points.reserve(edge.points.size());
+    for (const auto& p : edge.points) points.push(row(p));
+    const auto& rows = std::as_const(points);
+    Box3 box{corner_of(rows[0]), corner_of(rows[0])};
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      box = {least_of(box.lo, corner_of(rows[i])), greatest_of(box.hi, corner_of(rows[i]))};
+    }
+    boxes.push_back(box);
+    base.middles.push(rows[rows.size() / 2]);
+    base.middles.push(rows[(rows.size() - 1) / 2]);
+    const double length = path_length(space, points);
+    base.graph.edges.push_back({edge.from, edge.to, length, std::move(points)});
+    base.clearances.push_back(edge.clearance);
+  }
+  base.tree = BoxTree(boxes);
+  return base;
+}
+
+std::shared_ptr<const SkeletonBase> cached_base(const Scene& scene, const Space& space, double clearance) {
+  SkeletonKey key{clearance, {}};
+  for (const Axis& axis : space.axes()) key.second.push_back(axis.weight);
+  if (scene.planar() != nullptr) {
+    static CacheByWorld<SkeletonBase, SkeletonKey> cache;
+    return cache.get(planar(scene).world, key, [&](const World& world) {
+      const auto skeleton = cached_medial_axis(world);
+      SkeletonBase base = make_base(*skeleton, space, clearance);
+      base.graph.vertices = Configurations(space.dimension());
+      for (const Vec2 v : skeleton->vertices) base.graph.vertices.push(row(v));
+      return base;
+    });
+  }
+  static CacheByWorld<SkeletonBase, SkeletonKey> cache;
+  return cache.get(spatial(scene).world, key, [&](const World3& world) {
+    const auto balls = cached_ball_graph(world);
+    SkeletonBase base = make_base(*balls, space, clearance);
+    base.graph.vertices = Configurations(space.dimension());
+    for (const auto& ball : balls->balls) base.graph.vertices.push(row(ball.centre));
+    return base;
+  });
+}
+
+/// What the edges of one run's graph have beside their points: most share it with other runs.
+class EdgeTable {
+ public:
+  explicit EdgeTable(std::shared_ptr<const SkeletonBase> base)
+      : base_(std::move(base)), changed_(base_->clearances.size(), 0) {}
+
+  /// Sets the clearances along an edge that was added or changed.
+  void set(std::size_t edge, std::vector<double> clearance) {
+    if (edge < changed_.size()) changed_[edge] = 1;
+    own_[edge] = std::move(clearance);
+  }
+  /// Whether the edge is one of this run alone.
+  [[nodiscard]] bool own(std::size_t edge) const { return edge >= changed_.size() || changed_[edge] != 0; }
+  /// Returns the edges of this run alone.
+  [[nodiscard]] const std::map<std::size_t, std::vector<double>>& own() const { return own_; }
+  /// Returns the clearance of an edge's points, metres; 0 if unknown.
+  [[nodiscard]] const std::vector<double>& clearance(std::size_t edge) const {
+    return own(edge) ? own_.at(edge) : base_->clearances[edge];
+  }
+  [[nodiscard]] const SkeletonBase& base() const { return *base_; }
+
+ private:
+  std::shared_ptr<const SkeletonBase> base_;
+  std::vector<char> changed_;                       ///< of the base's edges
+  std::map<std::size_t, std::vector<double>> own_;  ///< clearances of the edges of this run alone
+};
+
 /// Makes a Graph of the skeleton's edges, with start and goals connected to the nearest visible points of it.
 class GraphBuilder {
  public:
   /// \param clearance  edges with less are left out
   GraphBuilder(const Scene& scene, double clearance, Instance& instance)
-      : instance_(instance), dimension_(instance.space.dimension()) {
-    if (scene.planar() != nullptr) {
-      const auto skeleton = cached_medial_axis(planar(scene).world);
-      begin(skeleton->vertices.size(), skeleton->edges.size());
-      for (const Vec2 v : skeleton->vertices) graph_.vertices.push(row(v));
-      add_edges(*skeleton, clearance);
-    } else {
-      const auto balls = cached_ball_graph(spatial(scene).world);
-      begin(balls->balls.size(), balls->edges.size());
-      for (const auto& ball : balls->balls) graph_.vertices.push(row(ball.centre));
-      add_edges(*balls, clearance);
-    }
+      : instance_(instance),
+        dimension_(instance.space.dimension()),
+        table_(cached_base(scene, instance.space, clearance)) {
+    const Graph& base = table_.base().graph;
+    // Start and goals add a vertex each, and may split an edge each.
+    const std::size_t added = 2 * (1 + instance_.goals.size());
+    graph_.vertices = Configurations(dimension_);
+    graph_.vertices.reserve(base.vertices.size() + added);
+    for (std::size_t v = 0; v < base.vertices.size(); ++v) graph_.vertices.push(base.vertices[v]);
+    graph_.edges.reserve(base.edges.size() + added);
+    graph_.edges = base.edges;
     graph_.start = join(instance.start);
     for (const Configuration& goal : instance.goals) graph_.goals.push_back(join(goal));
     // A world without obstacles has no medial axis, and the straight motion is valid.
@@ -154,35 +249,13 @@ class GraphBuilder {
     }
   }
   [[nodiscard]] Graph take() { return std::move(graph_); }
-  /// For each edge, the clearance of its points, metres; 0 if unknown.
-  [[nodiscard]] std::vector<std::vector<double>> take_clearances() { return std::move(clearances_); }
+  [[nodiscard]] EdgeTable take_table() { return std::move(table_); }
 
  private:
-  void begin(std::size_t vertices, std::size_t edges) {
-    // Start and goals add a vertex each, and may split an edge each.
-    const std::size_t added = 2 * (1 + instance_.goals.size());
-    graph_.vertices = Configurations(dimension_);
-    graph_.vertices.reserve(vertices + added);
-    graph_.edges.reserve(edges + added);
-    clearances_.reserve(edges + added);
-  }
-
-  template <class Skeleton>
-  void add_edges(const Skeleton& skeleton, double clearance) {
-    for (const auto& edge : skeleton.edges) {
-      const double least = *std::min_element(edge.clearance.begin(), edge.clearance.end());
-      if (least < clearance) continue;
-      Configurations points(dimension_);
-      points.reserve(edge.points.size());
-      for (const auto& p : edge.points) points.push(row(p));
-      add_edge(edge.from, edge.to, std::move(points), edge.clearance);
-    }
-  }
-
   void add_edge(std::uint32_t from, std::uint32_t to, Configurations points, std::vector<double> clearance) {
     const double length = path_length(instance_.space, points);
+    table_.set(graph_.edges.size(), std::move(clearance));
     graph_.edges.push_back({from, to, length, std::move(points)});
-    clearances_.push_back(std::move(clearance));
   }
 
   /// A point of an edge that a configuration may connect to. Sights are in order of distance.
@@ -199,8 +272,8 @@ class GraphBuilder {
   std::uint32_t join(const Configuration& q) {
     const std::uint32_t vertex = graph_.vertices.push(q);
     // The nearest point is usually visible; then the other points need no sorting.
-    const std::optional<Sight> nearest = nearest_sight(q);
-    if (!nearest || connect(vertex, *nearest)) return vertex;
+    const Sight nearest = nearest_sight(q);
+    if (!std::isfinite(nearest.distance) || connect(vertex, nearest)) return vertex;
     std::vector<Sight> sights = all_sights(q);
     const auto last = sights.begin() + static_cast<std::ptrdiff_t>(std::min(most_sights, sights.size()));
     std::partial_sort(sights.begin(), last, sights.end());
@@ -210,21 +283,34 @@ class GraphBuilder {
     return vertex;
   }
 
-  [[nodiscard]] std::optional<Sight> nearest_sight(const Configuration& q) const {
-    std::optional<Sight> nearest;
+  /// Returns the nearest point of the edges; with an infinite distance where there is none.
+  [[nodiscard]] Sight nearest_sight(const Configuration& q) const {
+    Sight nearest;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
+    const auto visit = [&](std::size_t e) {
       const auto& points = graph_.edges[e].points;
       for (std::size_t i = 0; i < points.size(); ++i) {
         // Only a point that is nearer, up to rounding, needs its exact distance.
         const double squared = squared_distance(points[i], q);
         if (squared > least) continue;
-        const double exact = distance(points[i], q);
-        if (nearest && exact >= nearest->distance) continue;
-        nearest = Sight{exact, e, i};
+        const Sight sight{distance(points[i], q), e, i};
+        if (!(sight < nearest)) continue;
+        nearest = sight;
         least = squared * (1.0 + 1e-9);
       }
-    }
+    };
+    const Vec3 at = corner_of(q);
+    const auto bound = [&](const Box3& box) {
+      const double x = std::max({box.lo.x - at.x, at.x - box.hi.x, 0.0});
+      const double y = std::max({box.lo.y - at.y, at.y - box.hi.y, 0.0});
+      const double z = std::max({box.lo.z - at.z, at.z - box.hi.z, 0.0});
+      return x * x + y * y + z * z;
+    };
+    const BoxTree& tree = table_.base().tree;
+    tree.nearest(least, bound, [&](std::size_t rank) {
+      if (!table_.own(tree.order()[rank])) visit(tree.order()[rank]);
+    });
+    for (const auto& own : table_.own()) visit(own.first);
     return nearest;
   }
 
@@ -244,7 +330,8 @@ class GraphBuilder {
     Configurations motion(dimension_);
     motion.push(std::as_const(graph_.vertices)[vertex]);
     motion.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
-    if (sight.distance > 0.0 && !instance_.motion(motion.front(), motion.back()).valid) return false;
+    const auto& ends = std::as_const(motion);
+    if (sight.distance > 0.0 && !instance_.motion(ends.front(), ends.back()).valid) return false;
     const std::uint32_t foot = split(sight.edge, sight.point);
     add_edge(vertex, foot, std::move(motion), {0.0, 0.0});
     return true;
@@ -252,11 +339,9 @@ class GraphBuilder {
 
   /// The vertex at a point of an edge. Splits the edge if the point is not one of its ends.
   std::uint32_t split(std::size_t e, std::size_t i) {
-    const Graph::Edge& edge = graph_.edges[e];
-    const std::uint32_t from = edge.from;
-    const std::uint32_t to = edge.to;
-    if (i == 0) return from;
-    if (i + 1 == edge.points.size()) return to;
+    const Graph::Edge edge = graph_.edges[e];  // a copy: the edge changes
+    if (i == 0) return edge.from;
+    if (i + 1 == edge.points.size()) return edge.to;
     Configurations first(dimension_);
     Configurations second(dimension_);
     first.reserve(i + 1);
@@ -265,34 +350,39 @@ class GraphBuilder {
     for (std::size_t k = i; k < edge.points.size(); ++k) second.push(edge.points[k]);
     const std::uint32_t middle = graph_.vertices.push(edge.points[i]);
     const double length = path_length(instance_.space, first);
-    graph_.edges[e] = {from, middle, length, std::move(first)};
-    const auto cut = clearances_[e].begin() + static_cast<std::ptrdiff_t>(i);
-    std::vector<double> rest(cut, clearances_[e].end());
-    clearances_[e].resize(i + 1);
-    add_edge(middle, to, std::move(second), std::move(rest));
+    graph_.edges[e] = {edge.from, middle, length, std::move(first)};
+    const std::vector<double> clearance = table_.clearance(e);
+    const auto cut = clearance.begin() + static_cast<std::ptrdiff_t>(i);
+    table_.set(e, {clearance.begin(), cut + 1});
+    add_edge(middle, edge.to, std::move(second), {cut, clearance.end()});
     return middle;
   }
 
   Instance& instance_;
   std::size_t dimension_;
+  EdgeTable table_;
   Graph graph_;
-  std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
 };
 
 /// A path in terms of a graph: the edges that it contains, and lower bounds of its clearance.
 class PathOnGraph {
  public:
   /// \param path  outlives this object
-  PathOnGraph(const Graph& graph, const Configurations& path)
+  PathOnGraph(const Graph& graph, const EdgeTable& table, const Configurations& path)
       : path_(path), buckets_(std::bit_ceil(2 * path.size() + 1), none), next_(path.size(), none) {
     for (std::uint32_t i = 0; i < path.size(); ++i) {
       next_[i] = std::exchange(buckets_[bucket(path[i])], i);
     }
     along_.reserve(graph.edges.size());
-    for (const auto& edge : graph.edges) {
-      const std::size_t n = edge.points.size();
-      // An edge is on the path if its middle point is; of an edge with two points, both must be.
-      along_.push_back(contains(edge.points[n / 2]) && contains(edge.points[(n - 1) / 2]) ? 1 : 0);
+    // An edge is on the path if its middle point is; of an edge with two points, both must be.
+    const Configurations& middles = table.base().middles;
+    for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+      const auto& points = graph.edges[e].points;
+      const std::size_t n = points.size();
+      const bool own = table.own(e);
+      const bool on_path =
+          contains(own ? points[n / 2] : middles[2 * e]) && contains(own ? points[(n - 1) / 2] : middles[2 * e + 1]);
+      along_.push_back(on_path ? 1 : 0);
     }
   }
 
@@ -300,16 +390,15 @@ class PathOnGraph {
   [[nodiscard]] const std::vector<char>& along() const { return along_; }
 
   /// For each point of the path, its clearance in metres; 0 if no edge contains the point.
-  /// \param clearances  for each edge, along its points
-  [[nodiscard]] std::vector<double> clearance(const Graph& graph,
-                                              const std::vector<std::vector<double>>& clearances) const {
+  [[nodiscard]] std::vector<double> clearance(const Graph& graph, const EdgeTable& table) const {
     std::vector<double> most(path_.size(), 0.0);
     for (std::size_t e = 0; e < along_.size(); ++e) {
       if (along_[e] == 0) continue;
       const auto& points = graph.edges[e].points;
+      const std::vector<double>& clearances = table.clearance(e);
       for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::uint32_t p = first(points[i]); p != none; p = next(p, points[i])) {
-          most[p] = std::max(most[p], clearances[e][i]);
+          most[p] = std::max(most[p], clearances[i]);
         }
       }
     }
@@ -444,13 +533,14 @@ DirectedGraph directed(const Graph& graph) {
 class DynamicRegions final : public Heuristic {
  public:
   DynamicRegions(std::shared_ptr<const PositionProjection> projection, const Instance& parent,
-                 std::shared_ptr<const Graph> graph, const Configurations& path, Configurations lifted,
-                 const SkeletonSettings& settings, double radius, double robot, const ReachedIndex& reached)
+                 std::shared_ptr<const Graph> graph, const EdgeTable& table, const Configurations& path,
+                 Configurations lifted, const SkeletonSettings& settings, double radius, double robot,
+                 const ReachedIndex& reached)
       : projection_(std::move(projection)),
         parent_(parent.space),
         model_(settings.alignment > -1.0 && AlignedLift::applies(parent) ? parent.motion_model : nullptr),
         graph_(std::move(graph)),
-        on_path_(PathOnGraph(*graph_, path).along()),
+        on_path_(PathOnGraph(*graph_, table, path).along()),
         directed_(directed(*graph_)),
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
@@ -710,7 +800,7 @@ class SkeletonGuide final : public PositionGuide {
     }
     GraphBuilder builder(*instance->scene, clearance, *instance);
     auto made = std::make_shared<Graph>(builder.take());
-    clearances_ = builder.take_clearances();
+    table_.emplace(builder.take_table());
     refuted_edges_.assign(made->edges.size(), 0);
     begin(parent, *instance, std::move(made), !settings_.follow_regions && !parent.motion_model, settings_.spacing);
     return instance;
@@ -724,7 +814,7 @@ class SkeletonGuide final : public PositionGuide {
     // it.
     const double robot = projection()->arm() ? 0.0 : parent.scene->bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection()->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(projection(), parent, graph(), path(),
+    auto h = std::make_unique<DynamicRegions>(projection(), parent, graph(), *table_, path(),
                                               projection()->lifted(path(), parent.start, goal), settings_,
                                               settings_.region * unit, robot, reached());
     regions_ = h.get();
@@ -742,12 +832,12 @@ class SkeletonGuide final : public PositionGuide {
  private:
   /// h along the path found on the axis.
   std::unique_ptr<Heuristic> along_axis(Instance& parent, const Configuration& goal) {
-    const PathOnGraph on_graph(*graph(), path());
+    const PathOnGraph on_graph(*graph(), *table_, path());
     along_ = on_graph.along();
     // If the clearance of the axis exceeds the robot's radius, the robot is valid there at every angle.
     const double reach = projection()->arm() ? std::numeric_limits<double>::infinity()
                                              : std::max(parent.needed_reach, parent.scene->bounding_radius());
-    const PathClearance clearance(path(), on_graph.clearance(*graph(), clearances_));
+    const PathClearance clearance(path(), on_graph.clearance(*graph(), *table_));
     return along(parent, goal, projection()->point_lift(parent, variation()),
                  [&](double at) { return clearance.at(at) > reach; });
   }
@@ -793,8 +883,8 @@ class SkeletonGuide final : public PositionGuide {
   }
 
   SkeletonSettings settings_;
-  std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
-  std::vector<char> along_;                      ///< for each edge, whether the path found contains it
+  std::optional<EdgeTable> table_;
+  std::vector<char> along_;  ///< for each edge, whether the path found contains it
   std::vector<char> refuted_edges_;
   DynamicRegions* regions_ = nullptr;  ///< active h, if it uses regions
 };
