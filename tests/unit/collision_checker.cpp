@@ -422,7 +422,7 @@ TEST_CASE("an arm that folds upon itself is invalid, and one whose links may cro
 
 TEST_CASE("the index finds the boxes that overlap and no others") {
   Stream stream(7, "test", "index");
-  for (const std::size_t count : {0U, 1U, 20U, 64U, 65U, 700U}) {
+  for (const std::size_t count : {0U, 1U, 20U, 64U, 65U, 700U, 5000U}) {
     INFO(count);
     std::vector<kernel::Box> boxes;
     for (std::size_t i = 0; i < count; ++i) {

@@ -7,9 +7,22 @@
 
 namespace trellis {
 
+namespace {
+
+/// Beyond this number of boxes, a query of the tree takes less time than one of the rows of bits.
+constexpr std::size_t most_in_rows = 4096;
+
+}  // namespace
+
 PartIndex::PartIndex(std::vector<kernel::Box> boxes)
-    : boxes_(std::move(boxes)), slabs_(boxes_.size() <= 256 ? 64 : 256), words_((boxes_.size() + 63) / 64) {
-  if (boxes_.empty()) return;
+    : boxes_(std::move(boxes)),
+      slabs_(boxes_.size() <= 256 ? 64 : 256),
+      words_(boxes_.size() <= most_in_rows ? (boxes_.size() + 63) / 64 : 0) {
+  std::vector<Box2> plain;
+  plain.reserve(boxes_.size());
+  for (const auto& box : boxes_) plain.push_back({{box.xlo, box.ylo}, {box.xhi, box.yhi}});
+  tree_ = PlanarBoxTree(plain);
+  if (words_ == 0) return;
   build(x_, &kernel::Box::xlo, &kernel::Box::xhi);
   build(y_, &kernel::Box::ylo, &kernel::Box::yhi);
 }
@@ -41,12 +54,21 @@ void PartIndex::build(Axis& axis, double kernel::Box::*lo, double kernel::Box::*
 }
 
 unsigned PartIndex::query(const kernel::Box& box, unsigned* out) const {
-  if (boxes_.empty()) return 0;
+  unsigned count = 0;
+  if (words_ == 0) {
+    const Box2 wanted{{box.xlo, box.ylo}, {box.xhi, box.yhi}};
+    tree_.each([&](const Box2& other) { return boxes_meet(wanted, other); },
+               [&](std::uint32_t i) {
+                 const kernel::Box& b = boxes_[i];
+                 if (boxes_meet(wanted, {{b.xlo, b.ylo}, {b.xhi, b.yhi}})) out[count++] = i;
+               });
+    std::sort(out, out + count);
+    return count;
+  }
   const std::uint64_t* x_reach = &x_.reach[slab(x_, box.xlo) * words_];
   const std::uint64_t* x_begins = &x_.begins[slab(x_, box.xhi) * words_];
   const std::uint64_t* y_reach = &y_.reach[slab(y_, box.ylo) * words_];
   const std::uint64_t* y_begins = &y_.begins[slab(y_, box.yhi) * words_];
-  unsigned count = 0;
   for (std::size_t w = 0; w < words_; ++w) {
     std::uint64_t found = x_reach[w] & x_begins[w] & y_reach[w] & y_begins[w];
     while (found != 0) {

@@ -260,19 +260,25 @@ class PlanarChecker final : public Checker {
       for (const auto& part : robot_.bodies()[i].parts) {
         move_shape(part, frames_[i], moved_);
         const Box2 box = bounding_box(moved_);
-        for (std::size_t k = 0; k < parts.size(); ++k) {
+        // Of equally near obstacles the first one, and of its parts the first one, whatever the order of the visits.
+        double at_most = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
+        std::optional<std::size_t> first;  // the nearest part of the world to this part of the robot
+        index_.nearest(box, at_most, [&](std::size_t k) {
           const Piece& o = obstacles_[k];
-          if (nearest && box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) > nearest->distance) continue;
+          if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) > at_most) return;
           const double d = distance(moved_, parts[k].shape);
           const std::size_t obstacle = parts[k].obstacle;
-          const bool before =
-              !nearest || d < nearest->distance || (d == nearest->distance && obstacle < nearest->obstacle);
-          if (!before) continue;
+          const bool before = !nearest || d < nearest->distance ||
+                              (d == nearest->distance && (obstacle < nearest->obstacle ||
+                                                          (obstacle == nearest->obstacle && first && k < *first)));
+          if (!before) return;
           nearest = Proximity{obstacle, d};
-          if (d <= 0.0) continue;
+          first = k;
+          at_most = d;
+          if (d <= 0.0) return;
           const Vec2 point = nearest_point(moved_, parts[k].shape);
           nearest->point = Vec3{point.x, point.y, 0.0};
-        }
+        });
       }
     }
     return nearest;
