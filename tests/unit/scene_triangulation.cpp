@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -69,6 +70,21 @@ TEST_CASE("the triangles cover the free space, but for what is left beside discs
     CHECK(covered >= 0.98 * free);
     CHECK(t.area() == Approx(100.0 * covered / 20000).epsilon(0.02));
   }
+}
+
+TEST_CASE("triangles are larger where obstacles are far", "[scene][triangulation]") {
+  const World world({{0, 0}, {100, 100}}, {{"", Box2{{40, 40}, {41, 42}}}, {"", Disc{{70, 20}, 2}}});
+  const double size = 0.5;
+  const Triangulation t(world, size);
+  const double equilateral = 0.25 * std::sqrt(3.0) * size * size;
+  CHECK(static_cast<double>(t.triangles().size()) < 0.2 * t.area() / equilateral);
+  double largest = 0.0;
+  for (const auto& triangle : t.triangles()) {
+    largest = std::max(largest, triangle.area);
+    if (brute::clearance(world, triangle.centroid()) < 2.0 * size) CHECK(triangle.area < 4.0 * equilateral);
+  }
+  CHECK(largest > 20.0 * equilateral);
+  CHECK(t.area() == Approx(100.0 * 100.0 - 2.0 - 4.0 * 3.14159).epsilon(1e-4));
 }
 
 TEST_CASE("points drawn from a triangle are uniform in it", "[scene][triangulation]") {

@@ -47,10 +47,11 @@ const Settings<DecompositionSettings>& decomposition_settings() {
           "Plaku, Kavraki and Vardi 2010, Motion planning with dynamics by a synergistic combination of layers of "
           "planning")
           .number("size", &DecompositionSettings::size, "m", Range::non_negative(),
-                  "length of the triangles' sides, about; in space the longest side of a box, which is halved up to "
-                  "four times "
-                  "near obstacles; 0: twice the robot's bounding radius, or 2 % of the world's "
-                  "diagonal for a point and 5 % for an arm's tip")
+                  "length of the triangles' sides near obstacles, about, which is doubled up to three times far from "
+                  "them; in "
+                  "space the longest side of a box, which is halved up to four times near obstacles; 0: twice the "
+                  "robot's bounding radius, but at least 0.5 % of the world's diagonal, or 2 % of it for a point and "
+                  "5 % for an arm's tip")
           .number("explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
                   "share that is spread evenly over all cells; the rest keeps to the lead")
           .integer("ahead", &DecompositionSettings::ahead, "cells", Range::at_least(1),
@@ -587,7 +588,7 @@ class DecompositionGuide final : public Guide, public Repairs {
   [[nodiscard]] double side_length(const Instance& parent, bool tip) const {
     if (settings_.size > 0.0) return settings_.size;
     const double world = parent.scene->diagonal();
-    return tip ? 0.05 * world : 2.0 * size_or(*parent.scene, 0.01 * world);
+    return tip ? 0.05 * world : std::max(2.0 * size_or(*parent.scene, 0.01 * world), 0.005 * world);
   }
 
   /// Makes the graph: cells are vertices at their centres, with edges through the points where they meet. Start and

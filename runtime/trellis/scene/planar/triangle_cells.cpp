@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/scene/planar/triangle_cells.hpp>
 
+#include <algorithm>
+#include <numbers>
 #include <utility>
 
 namespace trellis {
 
 TriangleCells::TriangleCells(Triangulation triangulation)
     : triangulation_(std::move(triangulation)),
-      mean_(triangulation_.area() / static_cast<double>(triangulation_.triangles().size())) {
+      largest_(std::numbers::sqrt3 * triangulation_.size() * triangulation_.size()) {
+  for (const auto& triangle : triangulation_.triangles()) mean_ += std::min(triangle.area, largest_);
+  mean_ /= static_cast<double>(triangulation_.triangles().size());
   neighbours_.reserve(size());
   for (const auto& triangle : triangulation_.triangles()) {
     auto& mine = neighbours_.emplace_back();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <trellis/scene/cells.hpp>
@@ -16,7 +17,9 @@ class TriangleCells final : public Cells {
   [[nodiscard]] std::size_t size() const override { return triangulation_.triangles().size(); }
   [[nodiscard]] double volume(std::uint32_t cell) const override { return triangulation_.triangles()[cell].area; }
   [[nodiscard]] double volume() const override { return triangulation_.area(); }
-  [[nodiscard]] double importance(std::uint32_t cell) const override { return volume(cell) / mean_; }
+  [[nodiscard]] double importance(std::uint32_t cell) const override {
+    return std::min(volume(cell), largest_) / mean_;
+  }
   void centre(std::uint32_t cell, MutableView out) const override;
   [[nodiscard]] const std::vector<Neighbour>& neighbours(std::uint32_t cell) const override {
     return neighbours_[cell];
@@ -26,7 +29,8 @@ class TriangleCells final : public Cells {
 
  private:
   Triangulation triangulation_;
-  double mean_;
+  double largest_;  ///< area that counts: larger triangles are farther from obstacles
+  double mean_ = 0.0;
   std::vector<std::vector<Neighbour>> neighbours_;  ///< in the order of the opposite corners
 };
 

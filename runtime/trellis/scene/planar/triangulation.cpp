@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/planar/constrained_delaunay.hpp>
+#include <trellis/scene/planar/planar_box_tree.hpp>
 
 namespace trellis {
 
@@ -104,12 +105,20 @@ class Outlines {
   std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-/// The input of the triangulation: outlines in segments of about `size`, and a lattice of points in the free space.
+/// The input of the triangulation: outlines in segments of about `size`, and a lattice of points in the free space, the
+/// coarser, the farther they are from outlines.
 class Input {
  public:
-  Input(const Outlines& obstacles, const Box2& bounds, double size) : size_(size) {
+  Input(const Outlines& obstacles, const Box2& bounds, double size) : size_(size), bounds_(bounds) {
     add(rectangle_vertices(bounds));
-    for (const auto& obstacle : obstacles.all) add(obstacle);
+    std::vector<Box2> boxes;
+    for (const auto& obstacle : obstacles.all) {
+      add(obstacle);
+      boxes.push_back(bounding_box(Polygon{obstacle}));
+    }
+    tree_ = PlanarBoxTree(boxes);
+    boxes_.reserve(boxes.size());
+    for (const std::uint32_t k : tree_.order()) boxes_.push_back(boxes[k]);
     const double row = size * std::numbers::sqrt3 / 2.0;
     for (std::size_t j = 0;; ++j) {
       const double y = bounds.lo.y + static_cast<double>(j + 1) * row;
@@ -117,7 +126,9 @@ class Input {
       for (std::size_t i = 0;; ++i) {
         const Vec2 p{bounds.lo.x + (static_cast<double>(i) + (j % 2 == 0 ? 1.0 : 0.5)) * size, y};
         if (p.x >= bounds.hi.x) break;
-        if (inside(bounds, p, clear * size) && !obstacles.covers(p, clear * size)) points.push_back(p);
+        if (!inside(bounds, p, clear * size) || obstacles.covers(p, clear * size)) continue;
+        const std::size_t step = std::size_t{1} << static_cast<unsigned>(coarseness(p));
+        if (i % step == 0 && j % step == 0) points.push_back(p);
       }
     }
   }
@@ -145,7 +156,27 @@ class Input {
     for (std::size_t i = first; i < points.size(); ++i) segments.emplace_back(i, i + 1 < points.size() ? i + 1 : first);
   }
 
+  /// How often the distance between points of the lattice is doubled at p: each time the distance from the outlines'
+  /// boxes is twice that between the points.
+  [[nodiscard]] int coarseness(Vec2 p) const {
+    constexpr int most = 3;
+    const double enough = std::ldexp(2.0 * size_, most);
+    double distance =
+        std::min({p.x - bounds_.lo.x, bounds_.hi.x - p.x, p.y - bounds_.lo.y, bounds_.hi.y - p.y, enough});
+    const auto to = [&](const Box2& box) {
+      return norm(
+          Vec2{std::max({box.lo.x - p.x, p.x - box.hi.x, 0.0}), std::max({box.lo.y - p.y, p.y - box.hi.y, 0.0})});
+    };
+    tree_.nearest(distance, to, [&](std::size_t rank) { distance = std::min(distance, to(boxes_[rank])); });
+    int doubled = 0;
+    while (doubled < most && distance >= std::ldexp(2.0 * size_, doubled + 1)) ++doubled;
+    return doubled;
+  }
+
   double size_;
+  Box2 bounds_;
+  PlanarBoxTree tree_;
+  std::vector<Box2> boxes_;  ///< of the outlines, in the tree's order
 };
 
 }  // namespace

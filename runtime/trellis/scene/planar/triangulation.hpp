@@ -23,13 +23,17 @@ class Triangulation {
     [[nodiscard]] Vec2 centroid() const { return (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]); }
   };
 
-  /// \param size  approximate length of the triangles' sides, metres; circumscribed polygons replace discs
+  /// \param size  approximate length of the triangles' sides near obstacles, metres; it is doubled up to three times
+  /// where
+  ///     obstacles are four times, eight times and so on farther away than that. Circumscribed polygons replace discs
   /// \throws Error where that gives more than a million triangles.
   Triangulation(const World& world, double size);
 
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
   /// Square metres.
   [[nodiscard]] double area() const { return area_; }
+  /// Approximate length of the sides of the smallest triangles, metres.
+  [[nodiscard]] double size() const { return cell_; }
   /// Returns the triangle that contains p (one of them for a point on a side); none in obstacles and outside of the
   /// boundary.
   [[nodiscard]] std::optional<std::uint32_t> find(Vec2 p) const;
