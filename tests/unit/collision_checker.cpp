@@ -435,7 +435,7 @@ TEST_CASE("the index finds the boxes that overlap and no others") {
     for (int i = 0; i < 2000; ++i) {
       kernel::Box q{stream.uniform(-8, 8), 0, stream.uniform(-60, 10), 0};
       q.xhi = q.xlo + stream.uniform(0, 4);
-      q.yhi = q.ylo + stream.uniform(0, 4);
+      q.yhi = q.ylo + stream.uniform(0, i % 50 == 0 ? 40 : 4);
       // Some that only touch.
       if (count > 0 && i % 3 == 0) q.xlo = std::min(boxes[stream.below(count)].xhi, q.xhi);
       std::vector<unsigned> expected;
@@ -445,6 +445,16 @@ TEST_CASE("the index finds the boxes that overlap and no others") {
       }
       const unsigned n = index.query(q, found.data());
       REQUIRE(std::vector<unsigned>(found.begin(), found.begin() + n) == expected);
+      // The nearest box, whatever is visited before it.
+      if (count == 0) continue;
+      const Box2 from{{q.xlo, q.ylo}, {q.xhi, q.yhi}};
+      double least = std::numeric_limits<double>::infinity(), nearest = least;
+      const auto to = [&](std::size_t k) {
+        return box_distance(from, {{boxes[k].xlo, boxes[k].ylo}, {boxes[k].xhi, boxes[k].yhi}});
+      };
+      for (std::size_t k = 0; k < count; ++k) least = std::min(least, to(k));
+      index.nearest(from, nearest, [&](std::size_t k) { nearest = std::min(nearest, to(k)); });
+      REQUIRE(nearest == least);
     }
   }
 }

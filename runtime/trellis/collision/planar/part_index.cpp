@@ -53,6 +53,21 @@ void PartIndex::build(Axis& axis, double kernel::Box::*lo, double kernel::Box::*
   for (std::size_t k = words_; k < axis.begins.size(); ++k) axis.begins[k] |= axis.begins[k - words_];
 }
 
+void PartIndex::sort(unsigned* indices, unsigned count) const {
+  if (count < boxes_.size() / 64) {
+    std::sort(indices, indices + count);
+    return;
+  }
+  // So many are sorted by a row of bits.
+  std::vector<std::uint64_t> row((boxes_.size() + 63) / 64, 0);
+  for (unsigned k = 0; k < count; ++k) row[indices[k] / 64] |= std::uint64_t{1} << (indices[k] % 64);
+  for (std::size_t w = 0; w < row.size(); ++w) {
+    for (std::uint64_t left = row[w]; left != 0; left &= left - 1) {
+      *indices++ = static_cast<unsigned>(w * 64) + static_cast<unsigned>(std::countr_zero(left));
+    }
+  }
+}
+
 unsigned PartIndex::query(const kernel::Box& box, unsigned* out) const {
   unsigned count = 0;
   if (words_ == 0) {
@@ -62,7 +77,7 @@ unsigned PartIndex::query(const kernel::Box& box, unsigned* out) const {
                  const kernel::Box& b = boxes_[i];
                  if (boxes_meet(wanted, {{b.xlo, b.ylo}, {b.xhi, b.yhi}})) out[count++] = i;
                });
-    std::sort(out, out + count);
+    sort(out, count);
     return count;
   }
   const std::uint64_t* x_reach = &x_.reach[slab(x_, box.xlo) * words_];

@@ -50,6 +50,7 @@ class PartIndex {
 
   /// The least number above x.
   static double above(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
+  void sort(unsigned* indices, unsigned count) const;
   [[nodiscard]] std::size_t slab(const Axis& axis, double x) const;
   void build(Axis& axis, double kernel::Box::*lo, double kernel::Box::*hi);
 

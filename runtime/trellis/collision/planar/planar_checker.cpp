@@ -654,21 +654,12 @@ class PlanarChecker final : public Checker {
     const Box2& bounds = scene_->world.bounds();
     double best = std::min(at_most, margin_inside(box, bounds));
     if (best <= 0.0) return 0.0;
-    // Without a limit, the search grows until it has found something or contains the world.
-    double radius = best;
-    const double farthest = norm(bounds.hi - bounds.lo);
-    if (radius > 0.25 * farthest) radius = std::min(radius, std::max(norm(box.hi - box.lo), 0.03 * farthest));
-    for (;;) {
-      const unsigned count = index_.query({box.lo.x - radius, box.hi.x + radius, box.lo.y - radius, box.hi.y + radius},
-                                          candidates_.data());
-      for (unsigned k = 0; k < count; ++k) {
-        const Piece& o = obstacles_[candidates_[k]];
-        if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) >= best) continue;
-        best = std::min(best, of(scene_->world.parts()[candidates_[k]].shape));
-      }
-      if (best <= radius || radius >= farthest) return std::max(best, 0.0);
-      radius = std::min(4.0 * radius, best);
-    }
+    index_.nearest(box, best, [&](std::size_t k) {
+      const Piece& o = obstacles_[k];
+      if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) >= best) return;
+      best = std::min(best, of(scene_->world.parts()[k].shape));
+    });
+    return std::max(best, 0.0);
   }
 
   /// Returns the least distance of a placed shape from obstacles and boundary; `at_most` where it is not less.
