@@ -83,6 +83,10 @@ std::uint32_t LifelongSearch::add_edge(std::uint32_t a, std::uint32_t b, double 
   const auto id = static_cast<std::uint32_t>(edges_.size());
   edges_.push_back({a, b, cost, false});
   ++looked_at_;
+  for (const std::uint32_t end : {a, b}) {
+    constexpr std::size_t usual = 8;
+    if (vertices_[end].arcs.capacity() == 0) vertices_[end].arcs.reserve(usual);
+  }
   vertices_[a].arcs.push_back({cost, b, id});
   vertices_[b].arcs.push_back({cost, a, id});
   for (const std::size_t side : {from_start, from_goal}) {

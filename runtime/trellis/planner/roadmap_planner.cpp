@@ -291,21 +291,35 @@ void RoadmapPlanner::grow() {
     report_joined();
     return;
   }
-  const auto near = index_.nearest(sample_);
+  // Where each proposal becomes a node, the search for neighbours finds the nearest node, too.
+  const bool one_search = !grows && !mode_.lazy_nodes;
+  NearestIndex::Neighbour near;
+  if (one_search) {
+    target_ = sample_;
+  } else {
+    near = index_.nearest(sample_);
+  }
   const std::uint32_t from = grows ? rows_[near.id] : no_node;
   if (grows) outcome.near = node(near.id);
-  const bool reaches =
-      steer(instance.space, node(near.id), sample_, std::sqrt(near.squared_distance), mode_.step, target_);
+  const bool reaches = one_search || steer(instance.space, node(near.id), sample_, std::sqrt(near.squared_distance),
+                                           mode_.step, target_);
   if (!mode_.lazy_nodes && !instance.valid(target_)) {
     outcome.blocked_at = target_;
     record_outcome(context_, outcome, from);
     return;
   }
-  if (near.squared_distance == 0.0) {
+  if (one_search) connection_.find(index_, target_, neighbours_);
+  if (one_search ? is_neighbour() : near.squared_distance == 0.0) {
     record_outcome(context_, outcome, from);
     return;
   }
-  insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
+  if (one_search) {
+    if (disconnected_) rebuild_connectivity();
+    context_.instance.checks.other += search_cost::node;
+    insert_found(target_, Known::valid);
+  } else {
+    insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
+  }
   outcome.fate = reaches ? Fate::reached : Fate::advanced;
   if (grows) outcome.near = node(near.id);
   outcome.added = target_;
@@ -350,10 +364,17 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
     connection_.find(index_, q, neighbours_);
   }
   context_.instance.checks.other += search_cost::node;
-  if (unless_there && std::any_of(neighbours_.begin(), neighbours_.end(),
-                                  [](const auto& neighbour) { return neighbour.squared_distance == 0.0; })) {
-    return false;
-  }
+  if (unless_there && is_neighbour()) return false;
+  insert_found(q, known);
+  return true;
+}
+
+bool RoadmapPlanner::is_neighbour() const {
+  return std::any_of(neighbours_.begin(), neighbours_.end(),
+                     [](const auto& neighbour) { return neighbour.squared_distance == 0.0; });
+}
+
+void RoadmapPlanner::insert_found(View q, Known known) {
   rows_.push_back(context_.search.nodes.push(q));
   context_.search.parents.push_back(no_node);
   nodes_.push_back(known);
@@ -381,7 +402,6 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
     }
     add_edge(neighbour.id, id, length, mode_.lazy_edges ? Known::unknown : Known::valid);
   }
-  return true;
 }
 
 double RoadmapPlanner::cost_factor(View a, View b) const {

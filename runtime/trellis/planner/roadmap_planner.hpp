@@ -82,6 +82,10 @@ class RoadmapPlanner final : public Planner {
   /// \param unless_there  adds none if a node at the same configuration exists
   /// \return whether it added a node
   bool insert(View q, Known known, bool unless_there = false);
+  /// As `insert`, with the neighbours that were found before.
+  void insert_found(View q, Known known);
+  /// Whether a node among the neighbours found has the configuration that they were found for.
+  [[nodiscard]] bool is_neighbour() const;
   /// Obtains the instance's evaluator of edges that are presumed valid.
   void begin_evaluation();
   /// Searches until the evaluator's event, or for the shortest path to the goal. Returns the vertex to whose path
