@@ -330,6 +330,42 @@ TEST_CASE("what rejects most proposals is found", "[report]") {
   CHECK(rejections(level, 0.05).rejected == 0);
 }
 
+TEST_CASE("nats are what the samples support, and exact for proposals of a recorded density", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  for (RunResult& run : result.runs) {
+    if (run.strategy != "nested") continue;
+    Efficiency& proposals = run.levels.front().root->expansion;
+    proposals.estimator = "exact";
+    proposals.value = proposals.value_lo = proposals.value_hi = 4.76;
+    proposals.gain = proposals.uniform - proposals.value;
+    proposals.in_target = 3;
+    proposals.flags = {"underpowered"};
+    Efficiency& nodes = run.levels.front().root->tree;
+    nodes.value_lo = 0.05;
+    nodes.value_hi = 5.0;
+  }
+  const std::string text = overview(experiment, result);
+  CHECK(has(text, "-2.35"));
+  CHECK(has(text, "blank: too few samples"));
+  const RunsSummary summary = summarise(select_runs(result, "", "nested"));
+  const FigurePair& root = summary.levels.front().root;
+  const AboveUniform exact = above_uniform(root.expansion);
+  CHECK(exact.exact);
+  CHECK(exact.blank.empty());
+  CHECK(exact.lo == Approx(-2.35));
+  CHECK(exact.hi == Approx(-2.35));
+  const AboveUniform nodes = above_uniform(root.tree);
+  CHECK_FALSE(nodes.exact);
+  CHECK_FALSE(nodes.blank.empty());
+  CHECK(nodes.lo < -2.5);
+  CHECK(nodes.hi > 2.3);
+  // Each end has Student's interval of the runs' ends.
+  const AboveUniform shrunk = above_uniform(summary.levels[2].root.tree);
+  CHECK(shrunk.hi > 2.41 - 1.48 + 0.2);
+  CHECK(shrunk.lo < 2.41 - 1.48 - 0.3);
+  CHECK(shrunk.blank.empty());
+}
+
 TEST_CASE("every word of the overview is explained", "[report]") {
   std::vector<std::string> known;
   for (const ReportTerm& term : report_terms()) {
@@ -337,10 +373,31 @@ TEST_CASE("every word of the overview is explained", "[report]") {
     CHECK(std::count(known.begin(), known.end(), term.name) == 0);
     known.push_back(term.name);
   }
-  for (const char* word : {"baseline", "solved", "validity checks", "p",          "ms",        "path",
-                           "share",    "nats",   "above uniform",   "mass",       "spread",    "set-up",
-                           "verdict",  "pays",   "costs",           "not tested", "not shown", "(mass), (spread)",
-                           "SE",       "tree",   "expansion",       "re-solves",  "oracle"}) {
+  for (const char* word : {"baseline",
+                           "solved",
+                           "validity checks",
+                           "p",
+                           "ms",
+                           "path",
+                           "share",
+                           "nats",
+                           "above uniform",
+                           "mass",
+                           "spread",
+                           "set-up",
+                           "blank",
+                           "proposals, nodes",
+                           "verdict",
+                           "pays",
+                           "costs",
+                           "not tested",
+                           "not shown",
+                           "(mass), (spread)",
+                           "SE",
+                           "tree",
+                           "expansion",
+                           "re-solves",
+                           "oracle"}) {
     CAPTURE(word);
     CHECK(std::count(known.begin(), known.end(), word) == 1);
   }

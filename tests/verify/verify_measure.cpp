@@ -15,6 +15,7 @@
 
 #include "support/worlds.hpp"
 #include "verify/measure_cases.hpp"
+#include "verify/supported_cases.hpp"
 
 namespace {
 
@@ -410,16 +411,89 @@ void spatial_table(Report& report) {
       fmt::format("volume of a tube in SO(3) against its closed form: worst error {:.4f} of 20, at most 0.01", volume));
 }
 
+/// Misses of `repetitions` that an interval of 95 % exceeds with a probability below 1 %.
+std::size_t most_misses(std::size_t repetitions) {
+  double below = 0.0;
+  double log_term = static_cast<double>(repetitions) * std::log(0.95);  // of no miss
+  for (std::size_t k = 0; k < repetitions; ++k) {
+    below += std::exp(log_term);
+    if (below >= 0.99) return k;
+    log_term += std::log(static_cast<double>(repetitions - k) / static_cast<double>(k + 1) * 0.05 / 0.95);
+  }
+  return repetitions;
+}
+
+/// The interval of D_eps that samples support, for samples that fill the target or leave parts of it empty.
+void supported_table(Report& report) {
+  const std::vector<std::size_t> counts = {20, 40, 100, 300, 1000, 3000};
+  const std::size_t repetitions = std::min<std::size_t>(40, report.repetitions);
+  report.text += fmt::format(
+      "### What samples support\n\nThe interval of D_eps for N samples in and about a straight tube (radius 0.5 m, "
+      "length 8 m; SE(2): all headings): the mean of its ends over {} repetitions, the share of them whose interval is "
+      "printed, and, where any missed, that of the printed ones that hold the truth. Without a share: blank in all.\n",
+      repetitions);
+  std::size_t printed = 0;
+  std::size_t missed = 0;
+  std::size_t worst = 0;
+  std::string where = "none";
+  for (const std::size_t d : {2U, 3U, 6U, 7U}) {
+    const std::vector<verify::SupportedCase> cases = verify::supported_cases(d);
+    const double uniform = verify::StraightTube(d).target(1)->uniform();
+    report.text += fmt::format("\n| {}, uniform {:.2f} | truth |", d == 3 ? "SE(2)" : fmt::format("R^{}", d), uniform);
+    for (const std::size_t n : counts) report.text += fmt::format(" N = {} |", n);
+    report.text += "\n|---|---|---|---|---|---|---|---|\n";
+    std::vector<verify::SupportedResult> results(cases.size() * counts.size());
+    in_parallel(results.size(), jobs(), [&](std::size_t i) {
+      results[i] = verify::supported_result(d, cases[i / counts.size()], counts[i % counts.size()], 1, repetitions);
+    });
+    for (std::size_t c = 0; c < cases.size(); ++c) {
+      report.text += fmt::format("| {}: {} | {:.2f} |", cases[c].kind, cases[c].name, cases[c].truth);
+      for (std::size_t k = 0; k < counts.size(); ++k) {
+        const verify::SupportedResult& r = results[c * counts.size() + k];
+        const auto percent = [](std::size_t part, std::size_t of) {
+          return 100.0 * static_cast<double>(part) / static_cast<double>(of);
+        };
+        report.text += fmt::format(" {:.2f} to {:.2f}", r.lo, r.hi);
+        if (r.printed > 0) report.text += fmt::format(", {:.0f} %", percent(r.printed, repetitions));
+        if (r.missed > 0) report.text += fmt::format(" ({:.0f} %)", percent(r.printed - r.missed, r.printed));
+        report.text += " |";
+        printed += r.printed;
+        missed += r.missed;
+        if (r.missed > worst) {
+          worst = r.missed;
+          where = fmt::format("d = {}, {}, N = {}", d, cases[c].name, counts[k]);
+        }
+      }
+      report.text += '\n';
+    }
+  }
+  report.text += '\n';
+  report.require(worst <= most_misses(repetitions),
+                 fmt::format("the interval that samples support holds the truth or is blank, in each case and for each "
+                             "N: at most {} of {} missed ({}), {} allowed at 95 %",
+                             worst, repetitions, where, most_misses(repetitions)));
+  const double share = static_cast<double>(printed - missed) / static_cast<double>(std::max<std::size_t>(printed, 1));
+  report.require(share >= 0.95, fmt::format("of all {} printed intervals {:.1f} % hold the truth, at least 95 %",
+                                            printed, 100.0 * share));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fputs("usage: verify_measure FOLDER [REPETITIONS]\n", stderr);
+    std::fputs("usage: verify_measure FOLDER [REPETITIONS [supported]]\n", stderr);
     return 2;
   }
   Report report;
   report.folder = argv[1];
   if (argc > 2) report.repetitions = static_cast<std::size_t>(std::max(20, std::atoi(argv[2])));
+  // The last section alone.
+  const bool alone = argc > 3 && std::string_view(argv[3]) == "supported";
+  if (alone) {
+    supported_table(report);
+    std::printf("| required | holds |\n|---|---|\n%s\n%s", report.requirements.c_str(), report.text.c_str());
+    return report.passed ? 0 : 1;
+  }
   std::vector<Case> cases = verify::standard_cases(2);
   for (auto& c : verify::standard_cases(3)) cases.push_back(std::move(c));
   const std::vector<Case> standard = cases;
@@ -430,6 +504,7 @@ int main(int argc, char** argv) {
   exact_table(report);
   spatial_table(report);
   interval_table(report, standard);
+  supported_table(report);
   std::printf("| required | holds |\n|---|---|\n%s\n%s", report.requirements.c_str(), report.text.c_str());
   std::fprintf(stderr, "%s\n", report.passed ? "all requirements hold" : "some requirement does not hold");
   return report.passed ? 0 : 1;

@@ -174,12 +174,14 @@ struct RunResult {
   Configurations target = {};
 };
 
-/// The root's samples of all seeds of a strategy pooled, on the paths on which single runs are scored. On each path the
-/// pool omits the seed that found it, because a run is never scored on its own path there. The result differs from that
-/// of one run: a mixture of distributions with different supports covers more than each of them.
+/// A level's samples of all seeds of a strategy pooled, lifted to the root, on the paths on which single runs are
+/// scored. On each path the pool omits the seed that found it, because a run is never scored on its own path there. The
+/// result differs from that of one run: a mixture of distributions with different supports covers more than each of
+/// them.
 struct PooledScores {
   std::string problem;
   std::string strategy;
+  std::string key = "0";    ///< of the level, LevelRecord::key
   std::size_t seeds = 0;    ///< in the pool of a path
   std::size_t targets = 0;  ///< paths; the scores are means over them
   Scores scores;
@@ -201,7 +203,7 @@ inline constexpr double most_left_out_work = 20.0;
 
 struct ExperimentResult {
   std::vector<RunResult> runs;         ///< by problem, strategy, seed, for any number of threads
-  std::vector<PooledScores> pooled;    ///< by problem and strategy; none of those without two seeds and a path
+  std::vector<PooledScores> pooled;    ///< by problem, strategy and level; none without two seeds and a path
   std::vector<LeftOut> left_out = {};  ///< by problem, strategy, guide; none where a strategy of the experiment serves
   double planning_seconds = 0.0;       ///< wall clock of all runs
   double measuring_seconds = 0.0;      ///< wall clock of their scoring

@@ -14,6 +14,7 @@
 #include <trellis/measure/along.hpp>
 #include <trellis/measure/evaluation.hpp>
 #include <trellis/measure/samples.hpp>
+#include <trellis/measure/supported.hpp>
 
 namespace trellis {
 
@@ -232,6 +233,16 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
   cover(evaluation, result);
   if (inside.count == 0) result.flags.emplace_back("censored");
   estimate(evaluation, scoring, result);
+  if (covers_space(result.uniform)) result.flags.emplace_back("covers the space");
+  if (scoring.interval && target.is_uniform()) {
+    if (result.estimator.starts_with("exact")) {
+      result.value_lo = result.value_hi = result.value;
+    } else {
+      const measure::Supported supported = measure::supported_interval(evaluation);
+      result.value_lo = supported.lo;
+      result.value_hi = supported.hi;
+    }
+  }
   return result;
 }
 
@@ -322,6 +333,14 @@ Along mean_along(std::span<const Efficiency> figures) {
 
 }  // namespace
 
+std::string blank_reason(double lo, double hi, double uniform) {
+  if (std::isnan(lo) || std::isnan(hi)) return "no interval";
+  if (hi < uniform || lo > uniform || hi - lo <= most_width) return "";
+  return "too few samples to tell on which side of uniform sampling they are";
+}
+
+bool covers_space(double uniform) { return uniform < least_scale; }
+
 double least_value(const Efficiency& efficiency) {
   if (std::isnan(efficiency.perfect)) return efficiency.perfect;
   return defended_mass(efficiency.mass_lower95, efficiency.uniform);
@@ -371,9 +390,10 @@ Efficiency mean(std::span<const Efficiency> figures) {
   headlines.front().estimator = first.estimator;
   take(result, mean_estimate(headlines));
   for (double Efficiency::*field :
-       {&Efficiency::uniform, &Efficiency::perfect, &Efficiency::mass, &Efficiency::mass_lower95, &Efficiency::mass_lo,
-        &Efficiency::mass_hi, &Efficiency::coverage, &Efficiency::uniform_coverage, &Efficiency::coverage_half,
-        &Efficiency::uniform_coverage_half, &Efficiency::free_share}) {
+       {&Efficiency::value_lo, &Efficiency::value_hi, &Efficiency::uniform, &Efficiency::perfect, &Efficiency::mass,
+        &Efficiency::mass_lower95, &Efficiency::mass_lo, &Efficiency::mass_hi, &Efficiency::coverage,
+        &Efficiency::uniform_coverage, &Efficiency::coverage_half, &Efficiency::uniform_coverage_half,
+        &Efficiency::free_share}) {
     result.*field = mean_of(figures, [&](const Efficiency& e) { return e.*field; });
   }
   double inside = 0.0;

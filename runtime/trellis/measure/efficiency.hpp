@@ -26,6 +26,10 @@ struct Efficiency : Estimate {
   /// The `value` of perfect guidance, samples of T itself; positive because of the 5 % uniform samples in the mixture.
   /// `perfect` and `uniform` are the ends of the scale. NaN where T is not uniform.
   double perfect = std::numeric_limits<double>::quiet_NaN();
+  /// The 95 % interval of `value` that the samples support: counting certifies the lower end, and the upper end allows
+  /// for what so many samples cannot show. Equal to `value` for `exact`. NaN where T is not uniform or not scored.
+  double value_lo = std::numeric_limits<double>::quiet_NaN();
+  double value_hi = std::numeric_limits<double>::quiet_NaN();
   /// -log Q(A), at most D; and its lower bound with 95 % confidence (Clopper and Pearson, one-sided).
   double mass = std::numeric_limits<double>::quiet_NaN();
   double mass_lower95 = std::numeric_limits<double>::quiet_NaN();
@@ -70,6 +74,8 @@ struct Scoring {
   bool brief = false;
   /// Whether to compute the headline's estimator only.
   bool headline_only = false;
+  /// Whether to compute the interval of the headline.
+  bool interval = true;
   /// The density of the samples where the sampler records it (without atoms, per volume in metric coordinates), for
   /// `exact`.
   std::function<double(View)> density = {};
@@ -95,6 +101,16 @@ double least_value(const Efficiency& efficiency);
 /// at least `mass_lower95`, D_eps at least its consequence, no part is negative, and the parts sum to the whole. Means
 /// over runs must use the estimates themselves; otherwise they are biased.
 Efficiency shown(Efficiency efficiency);
+
+/// Returns why an interval of D_eps tells too little to be printed; "" where it tells on which side of uniform sampling
+/// the samples are, or is at most `most_width` wide.
+std::string blank_reason(double lo, double hi, double uniform);
+inline constexpr double most_width = 1.0;  ///< nats
+
+/// Whether a target leaves nothing to tell: uniform sampling is within `least_scale` of perfect guidance, because the
+/// target covers nearly the whole space.
+bool covers_space(double uniform);
+inline constexpr double least_scale = 0.25;  ///< nats
 
 /// Averages the results over several targets, `along` too (over the least number of bins). Infinite values give
 /// infinity; a value that some targets lack is the mean over the others. Keeps the flags that at least half of the

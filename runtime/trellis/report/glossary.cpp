@@ -38,6 +38,16 @@ const std::vector<ReportTerm>& report_terms() {
        "the part of the divergence that says how evenly the samples in the target cover it: D(T || Q given T). Mass "
        "and "
        "spread sum to the divergence"},
+      {"-0.42…+1.20",
+       "an interval of nats above uniform that holds the truth with at least 95 %, as samples of known density show: "
+       "docs/measure.md. Counting certifies its upper end; the lower end allows for what so many samples cannot show. "
+       "Over runs: the mean of the runs' ends with Student's interval"},
+      {"blank",
+       "so few samples do not tell: the interval is wider than 1 nat and does not tell on which side of uniform "
+       "sampling they are"},
+      {"proposals, nodes",
+       "nats above uniform of what the level's guide and planner propose, lifted to the root, and of the nodes of its "
+       "tree. Proposals whose densities are known in closed form are exact: no estimation, whatever their number"},
       {"along", "the part of the spread along the path: the divergence of arc length"},
       {"across", "the part of the spread across the path"},
       {"verdict",

@@ -117,6 +117,13 @@ Json estimate_json(const Estimate& e) {
           {"JS", number(e.js)}};
 }
 
+/// Why reports print no interval of D_eps; null where they print one, and where there is no value.
+Json blank_json(const Efficiency& e) {
+  if (std::isnan(e.value)) return nullptr;
+  const std::string reason = blank_reason(e.value_lo, e.value_hi, e.uniform);
+  return reason.empty() ? Json(nullptr) : Json(reason);
+}
+
 /// All values of samples relative to a target.
 Json measure_json(const Efficiency* estimated) {
   const bool scored = estimated != nullptr;
@@ -134,6 +141,7 @@ Json measure_json(const Efficiency* estimated) {
               {"estimator", std::isnan(e->value) ? Json(nullptr) : Json(e->estimator)},
               {"others", std::move(others)},
               {"flags", e->flags},
+              {"blank", blank_json(*e)},
               {"reason", e->reason.empty() ? Json(nullptr) : Json(e->reason)}});
   return out;
 }
@@ -677,7 +685,7 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
       summary.push_back(summary_json(of, name, strategy, level_verdicts(found, problem, strategy, of),
                                      part_verdicts(found, problem, strategy, of), unsolved_text(chosen, spec)));
       for (const PooledScores& pooled : result.pooled) {
-        if (pooled.problem != problem || pooled.strategy != strategy) continue;
+        if (pooled.problem != problem || pooled.strategy != strategy || pooled.key != "0") continue;
         summary.back()["pooled"] = {{"seeds", pooled.seeds},
                                     {"targets", pooled.targets},
                                     {"tree", measure_json(&pooled.scores.tree)},

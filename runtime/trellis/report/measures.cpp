@@ -21,6 +21,8 @@ constexpr auto quantities = std::to_array<MeasureQuantity>({
     {"D_eps_parts", "spread", [](E e) { return e.parts.spread; }, &Figure::spread_part, true},
     {"D_eps_parts", "along", [](E e) { return e.parts.along; }, &Figure::along_part, false},
     {"D_eps_parts", "across", [](E e) { return e.parts.across; }, &Figure::across_part, true},
+    {nullptr, "D_eps_lo", [](E e) { return e.value_lo; }, &Figure::value_lo, false},
+    {nullptr, "D_eps_hi", [](E e) { return e.value_hi; }, &Figure::value_hi, false},
     {nullptr, "D_eps0.01", [](E e) { return e.light_value; }, &Figure::light_value, false},
     {nullptr, "D_perfect", [](E e) { return e.perfect; }, &Figure::perfect, false},
     {nullptr, "D_uniform", [](E e) { return e.uniform; }, &Figure::uniform, false},

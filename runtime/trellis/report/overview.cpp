@@ -142,31 +142,25 @@ std::string strategies_table(const Section& section, std::size_t width) {
   return table.text(width);
 }
 
-/// Returns uniform - figure, with the interval of the figure.
-Interval above(double uniform, const Interval& figure) {
-  Interval result = figure;
-  result.value = uniform - figure.value;
-  result.lo = uniform - figure.hi;
-  result.hi = uniform - figure.lo;
-  return result;
-}
-
-/// The nats of a level: all, mass, spread.
+/// The nats of a level above uniform sampling.
 struct Nats {
-  std::string total, mass, spread;
+  std::string proposals, nodes, mass;
   bool blank = false;
 };
+std::string nats_text(const Figure& figure, bool& blank) {
+  if (figure.scored == 0) return "";
+  const AboveUniform above = above_uniform(figure);
+  blank = blank || !above.blank.empty();
+  return above.blank.empty() && std::isfinite(above.lo) ? ends_text(above.lo, above.hi) : "";
+}
 Nats nats_of(const LevelSummary& level) {
-  const Figure& figure = lifted_figure(level);
-  if (figure.scored == 0) return {"-", "-", "-"};
-  const double in_target = figure.uniform.value - figure.mass_part.value;
-  const std::string mass = std::isfinite(in_target) ? fixed(in_target, 2, true)
-                                                    : interval_text(above(figure.uniform.value, figure.mass_part), 2);
-  if (estimate_fails(figure)) return {"", mass, "", true};
-  Interval spread = figure.spread_part;
-  spread.value = -spread.value;
-  return {interval_text(figure.gain, 2, true), mass,
-          std::isfinite(spread.value) ? fixed(spread.value, 2, true) : interval_text(spread, 2, true)};
+  const FigurePair& pair = level.root_cross.tree.scored > 0 ? level.root_cross : level.root;
+  Nats nats;
+  nats.proposals = nats_text(pair.expansion, nats.blank);
+  nats.nodes = nats_text(pair.tree, nats.blank);
+  const double mass = pair.tree.uniform.value - pair.tree.mass_part.value;
+  if (pair.tree.scored > 0 && std::isfinite(mass)) nats.mass = fixed(mass, 2, true);
+  return nats;
 }
 
 /// Returns "+1.95 is perfect guidance", from the oracle's nodes.
@@ -261,7 +255,7 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
                                         number_column({"time"}, share)};
   if (measured) {
     columns.insert(columns.end(),
-                   {number_column({"all"}, nats), number_column({"mass"}, nats), number_column({"spread"}, nats)});
+                   {number_column({"proposals"}, nats), number_column({"nodes"}, nats), number_column({"mass"}, nats)});
   }
   columns.push_back(text_column("verdict"));
   const std::vector<std::string> labels = level_labels(levels);
@@ -273,7 +267,7 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
     if (measured) {
       const Nats of = nats_of(levels[i]);
       blank = blank || of.blank;
-      cells.insert(cells.end(), {of.total, of.mass, of.spread});
+      cells.insert(cells.end(), {of.proposals, of.nodes, of.mass});
     }
     cells.push_back(i < found.size() ? verdict_text(found[i]) : "");
     table.add(std::move(cells));
@@ -287,7 +281,8 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
     const std::string scale = scale_text(row.summary);
     std::string notes = scale;
     if (blank) {
-      notes += fmt::format("{}blank: too few samples in the target to estimate", notes.empty() ? "" : "; ");
+      notes += fmt::format("{}blank: too few samples to tell on which side of uniform sampling they are",
+                           notes.empty() ? "" : "; ");
     }
     if (!notes.empty()) out += wrap(notes, width, "  ", "  ");
   }

@@ -57,6 +57,8 @@ void along_fields(A& along, const Field& field) {
 template <class E, class Field>
 void efficiency_fields(E& e, const Field& field) {
   estimate_fields(e, field);
+  field("value_lo", e.value_lo);
+  field("value_hi", e.value_hi);
   field("uniform", e.uniform);
   field("perfect", e.perfect);
   field("mass", e.mass);
@@ -119,6 +121,7 @@ void fields(T& object, const Field& field) {
   }
   if constexpr (std::is_same_v<Plain, PooledScores>) {
     field("strategy", object.strategy);
+    field("key", object.key);
     field("seeds", object.seeds);
     field("targets", object.targets);
     field("scores", object.scores);

@@ -397,6 +397,34 @@ CensoredCost path_cost(const RunResult& run) {
   return {static_cast<double>(run.run.validity_checks - run.run.improvement_checks), run.run.solved};
 }
 
+AboveUniform above_uniform(const Figure& figure) {
+  AboveUniform result;
+  if (figure.scored == 0) return result;
+  result.exact = std::all_of(figure.estimators.begin(), figure.estimators.end(),
+                             [](const std::string& name) { return name.starts_with("exact"); });
+  const double uniform = figure.uniform.value;
+  const auto end = [](double bound, double value) { return std::isnan(bound) ? value : bound; };
+  // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
+  const double least = figure.perfect.value;
+  const double most = uniform - std::log(defence);
+  const double lo = std::max(end(figure.value_lo.lo, figure.value_lo.value), least);
+  const double hi = std::min(end(figure.value_hi.hi, figure.value_hi.value), most);
+  result.lo = uniform - hi;
+  result.hi = uniform - lo;
+  result.blank = result.exact ? "" : blank_reason(lo, hi, uniform);
+  return result;
+}
+
+AboveUniform above_uniform(const Efficiency& efficiency) {
+  AboveUniform result;
+  if (std::isnan(efficiency.value)) return result;
+  result.exact = efficiency.estimator.starts_with("exact");
+  result.lo = efficiency.uniform - efficiency.value_hi;
+  result.hi = efficiency.uniform - efficiency.value_lo;
+  result.blank = result.exact ? "" : blank_reason(efficiency.value_lo, efficiency.value_hi, efficiency.uniform);
+  return result;
+}
+
 RunsSummary summarise(std::span<const RunResult* const> runs) {
   RunsSummary result;
   result.runs = runs.size();
@@ -609,10 +637,10 @@ std::vector<std::string> guide_warnings(const Experiment& experiment, const Expe
     const LevelSummary& root = summary.levels.front();
     const FigurePair& pair = root.root_cross.tree.scored > 0 ? root.root_cross : root.root;
     // Proposals in a thin tube may have less spread than uniform ones and still save most checks: judge by the nodes.
-    if (pair.tree.gain.hi < 0.0) {
+    if (const AboveUniform above = above_uniform(pair.tree); above.hi < 0.0) {
       warnings.push_back(
           fmt::format("{}'s nodes cover the target less well than uniform samples: {} nats above uniform", name,
-                      interval_text(pair.tree.gain, 2, true)));
+                      ends_text(above.lo, above.hi)));
     }
   }
   return warnings;

@@ -20,6 +20,7 @@ namespace trellis {
 /// score does not enter the intervals; `scored` is the number of scored runs.
 struct Figure {
   Interval value;                                               ///< D_eps, the headline: SE, defended, nats
+  Interval value_lo, value_hi;                                  ///< the ends of what the samples of a run support
   Interval light_value;                                         ///< the same with 1 % uniform
   Interval undefended;                                          ///< D
   Interval gain;                                                ///< nats above uniform: uniform - SE
@@ -178,6 +179,19 @@ struct Comparison {
   Paired tree;  ///< SE of the root's nodes; less is better
   Paired expansion;
 };
+
+/// The nats above uniform that the samples of the runs support: counting certifies the upper end, and the lower end
+/// allows for what so many samples cannot show. Each end is the bound of Student's interval of the runs' ends, with
+/// five runs or more, else their mean; with recorded densities in all runs it is Student's interval of their values.
+/// NaN without any.
+struct AboveUniform {
+  double lo = std::numeric_limits<double>::quiet_NaN();
+  double hi = std::numeric_limits<double>::quiet_NaN();
+  bool exact = false;      ///< by recorded densities, without estimation
+  std::string blank = {};  ///< why reports print none; "" where they do
+};
+AboveUniform above_uniform(const Figure& figure);
+AboveUniform above_uniform(const Efficiency& efficiency);
 
 /// Parses a level's key, "0.1.10", into numbers, so that levels sort depth first and 10 comes after 9.
 std::vector<std::uint64_t> parse_key(const std::string& key);

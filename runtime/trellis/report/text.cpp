@@ -80,24 +80,17 @@ class Notes {
   Places infinite_;
 };
 
-/// A column of nats above uniform: means, half-widths and marks, aligned. Where only a bound is available (no sample in
-/// the target in any run, or a lower bound of the divergence; or an estimate beyond the possible range) it prints "at
-/// most".
+/// A column of nats above uniform: intervals and marks, aligned. Blank where the samples do not support one that tells
+/// anything.
 class FigureColumn {
  public:
   void add(const Figure& figure, const Place& where, Notes& notes) {
     Cell cell;
-    const Interval& value = figure.gain;
-    if (std::isnan(value.value)) {
+    const AboveUniform above = above_uniform(figure);
+    if (figure.scored == 0 || std::isnan(above.lo)) {
       cell.mean = "-";
-    } else {
-      cell.mean = std::isinf(value.value) ? (value.value > 0.0 ? "inf" : "-inf") : fixed(value.value, 2, true);
-      if (is_bound(figure)) cell.mean.insert(0, "≤");
-      if (std::isfinite(value.hi) && !is_bound(figure)) cell.half = "±" + fixed(0.5 * (value.hi - value.lo), 2);
-      if (value.infinite > 0) {
-        cell.marks += median_mark;
-        notes.add_infinite(where, value.infinite, value.n + value.infinite);
-      }
+    } else if (above.blank.empty()) {
+      cell.mean = ends_text(above.lo, above.hi);
     }
     for (const auto& [flag, runs] : figure.flags) {
       const char mark = mark_of(flag);
@@ -114,7 +107,7 @@ class FigureColumn {
     std::vector<std::string> out;
     std::size_t widest = 0;
     for (const auto& cell : cells_) {
-      out.push_back(pad(cell.mean, mean, true) + (cell.half.empty() ? "" : " " + cell.half) + cell.marks);
+      out.push_back(pad(cell.mean, mean, true) + cell.marks);
       widest = std::max(widest, display_width(out.back()));
     }
     for (auto& text : out) text = pad(text, widest, false);
@@ -122,15 +115,8 @@ class FigureColumn {
   }
 
  private:
-  static bool is_bound(const Figure& figure) {
-    return std::any_of(figure.flags.begin(), figure.flags.end(), [&](const auto& flag) {
-      return flag.first == "at its bound" ||
-             ((flag.first == "censored" || flag.first == "lower bound") && flag.second == figure.scored);
-    });
-  }
   struct Cell {
     std::string mean;
-    std::string half;
     std::string marks;
   };
   std::vector<Cell> cells_;
@@ -307,6 +293,16 @@ std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t wi
   return out;
 }
 
+/// Returns SE, as an interval; "" where the samples do not support one.
+std::string divergence_text(const Figure& figure) {
+  const AboveUniform above = above_uniform(figure);
+  if (figure.scored == 0 || std::isnan(above.lo)) return "-";
+  if (!above.blank.empty()) return "";
+  const std::string lo = fixed(figure.uniform.value - above.hi, 2);
+  const std::string hi = fixed(figure.uniform.value - above.lo, 2);
+  return lo == hi ? lo : lo + "…" + hi;
+}
+
 /// Returns the measure of every level and role: in its own space on its own path, and lifted to the root.
 std::vector<Table::Column> measure_columns() {
   const std::string own = "own space, own path";
@@ -370,13 +366,17 @@ class MeasureRows {
     for (std::size_t k = 0; k < lines_.size(); ++k) {
       const Figure& f = *lines_[k].own;
       const bool first = k == 0 || lines_[k - 1].label != lines_[k].label;
+      // An estimate that the samples do not support is not printed.
+      const bool blank = !above_uniform(f).blank.empty();
+      const auto supported = [&](const std::string& text) { return blank ? "" : text; };
       const std::string covered =
           f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
       table.add({first ? lines_[k].label : "", lines_[k].role, std::to_string(f.scored), count_text(f.samples),
-                 count_text(f.in_target), nats(f.uniform.value), own[k], interval_text(f.value),
-                 interval_text(f.mass_part), interval_text(f.spread_part),
-                 std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value), nats(f.mass_lower95.value),
-                 nats(f.along.value), percent(f.empty_share.value), covered, nats(f.js.value), root[k], cross[k]});
+                 count_text(f.in_target), nats(f.uniform.value), own[k], divergence_text(f), interval_text(f.mass_part),
+                 supported(interval_text(f.spread_part)),
+                 supported(std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value)),
+                 nats(f.mass_lower95.value), nats(f.along.value), percent(f.empty_share.value), covered,
+                 nats(f.js.value), root[k], cross[k]});
     }
     return table.text(width) + notes_.text(width);
   }
@@ -477,20 +477,23 @@ std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
 
 namespace {
 
-/// "samples of 14 seeds taken together, on 4 paths of a seed left out: tree +1.43 nats above uniform (mass 0.31, spread
-/// 0.12) expansion ...".
+/// "samples of 14 seeds taken together, on 4 paths of a seed left out: tree -0.42…+1.20 nats above uniform (mass 0.31),
+/// expansion ...".
 std::string pooled_text(const ExperimentResult& result, const std::string& problem, const std::string& strategy,
                         std::size_t width) {
   for (const PooledScores& pooled : result.pooled) {
-    if (pooled.problem != problem || pooled.strategy != strategy) continue;
+    if (pooled.problem != problem || pooled.strategy != strategy || pooled.key != "0") continue;
     std::string text =
         fmt::format("samples of {} taken together, on {} of a seed left out:", plural(pooled.seeds, "seed"),
                     plural(pooled.targets, "path"));
     const auto add = [&](const char* name, const Efficiency& estimated) {
       if (std::isnan(estimated.value)) return;
       const Efficiency e = shown(estimated);
-      text += fmt::format(" {} {} nats above uniform (mass {}, spread {})", name, fixed(e.gain, 2, true),
-                          fixed(e.parts.mass, 2), fixed(e.parts.spread, 2));
+      const AboveUniform above = above_uniform(e);
+      const bool printed = above.blank.empty() && std::isfinite(above.lo);
+      text += fmt::format(" {} {} above uniform (mass {})", name,
+                          printed ? ends_text(above.lo, above.hi) + " nats" : "too few samples to tell",
+                          fixed(e.parts.mass, 2));
     };
     add("tree", pooled.scores.tree);
     add("expansion", pooled.scores.expansion);
@@ -529,6 +532,12 @@ const LevelSummary& root_of(const Row& row) {
   return row.summary.levels.empty() ? none : row.summary.levels.front();
 }
 
+std::string above_text(const Figure& figure) {
+  const AboveUniform above = above_uniform(figure);
+  if (figure.scored == 0 || std::isnan(above.lo)) return "-";
+  return above.blank.empty() ? ends_text(above.lo, above.hi) : "";
+}
+
 /// The columns of the root's efficiency in the summary: on the own path, on other seeds' paths, and with equally many
 /// samples, each where any strategy has it.
 class RootColumns {
@@ -561,8 +570,7 @@ class RootColumns {
       cells.insert(cells.end(), {scored_text(root.root_cross), cross_tree_.text()[i], cross_expansion_.text()[i]});
     }
     if (equal_) {
-      cells.insert(cells.end(),
-                   {interval_text(root.equal.tree.gain, 2, true), interval_text(root.equal.expansion.gain, 2, true)});
+      cells.insert(cells.end(), {above_text(root.equal.tree), above_text(root.equal.expansion)});
     }
   }
 
@@ -763,8 +771,10 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
                                 plural_y(experiment.strategies.size(), "strateg"), seeds_text(experiment.seeds));
   out += experiment.seeds.size() * experiment.problems.size() > 1
              ? "Counts and times of levels: medians of what all runs spent; of strategies: an unsolved run counts as "
-               "infinite. Efficiencies: means over the runs that have a target, as many as `runs` says; ±: half-width "
-               "of their 95 % Student interval, none for fewer than 5 runs."
+               "infinite. Efficiencies: means over the runs that have a target, as many as `runs` says; a…b: the "
+               "interval that the samples support, with Student's over the runs; blank: too few samples to tell on "
+               "which side of uniform sampling they are; ±: half-width of a 95 % Student interval, none for fewer than "
+               "5 runs."
              : "One run of each strategy: no intervals.";
   out = wrap(out, width);
   if (!experiment.measure) return out;

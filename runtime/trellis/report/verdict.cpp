@@ -116,7 +116,8 @@ std::string reason_of(const RunsSummary& summary, std::size_t level, bool less) 
   const Interval mass =
       difference(before != nullptr ? before->mass_part : point(figure.uniform.value), figure.mass_part);
   const auto shown = [&](const Interval& reduced) { return less ? reduced.lo > 0.0 : reduced.hi < 0.0; };
-  const bool by_mass = estimate_fails(figure) || (before != nullptr && estimate_fails(*before));
+  const auto fails = [](const Figure& one) { return estimate_fails(one) || !above_uniform(one).blank.empty(); };
+  const bool by_mass = fails(figure) || (before != nullptr && fails(*before));
   if (by_mass) return shown(mass) ? "mass" : "";
   const Interval spread = difference(before != nullptr ? before->spread_part : point(0.0), figure.spread_part);
   const bool spread_more = less ? spread.value > mass.value : spread.value < mass.value;

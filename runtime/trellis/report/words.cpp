@@ -40,6 +40,12 @@ std::string interval_text(const Interval& interval, int decimals, bool sign) {
   return text;
 }
 
+std::string ends_text(double lo, double hi) {
+  const std::string from = fixed(lo, 2, true);
+  const std::string to = fixed(hi, 2, true);
+  return from == to ? from : from + "…" + to;
+}
+
 std::string p_text(double p) { return p < 0.001 ? "<0.001" : fixed(p, 3); }
 
 std::string ratio_text(const Interval& ratio) {

@@ -22,6 +22,8 @@ int decimals_for(double largest);
 std::string percent(double share);
 /// "1.23 ±0.08", "1.23" without an interval, "-" for a missing value.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
+/// "-0.42…+1.20", the ends of an interval; one number where they print the same.
+std::string ends_text(double lo, double hi);
 /// "<0.001", "0.040".
 std::string p_text(double p);
 /// "0.37 [0.29, 0.52]", a median of ratios; "-" for a missing value, and no brackets without an interval.
@@ -48,7 +50,7 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-inline constexpr std::array<Note, 10> notes = {{
+inline constexpr std::array<Note, 11> notes = {{
     {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can show"},
     {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
     {'a', "at its bound", "at its bound: the mean of the estimates is beyond what the mass in the target allows"},
@@ -58,6 +60,7 @@ inline constexpr std::array<Note, 10> notes = {{
     {'t', "few in target", "fewer than 300 samples in the target: the bound may be off by more than 0.1"},
     {'l', "lower bound", "at most: from mass and arc length alone, which do not show losses across the path"},
     {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
+    {'w', "covers the space", "the target covers nearly the whole space: there is nothing to tell"},
     {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
 }};
 inline constexpr char median_mark = 'm';
