@@ -165,6 +165,11 @@ Json parts(const ChainRule& parts) {
           {"across", number(parts.across)}};
 }
 
+/// Why the table prints no interval; "" where it does, and without a value.
+std::string blank_of(const Efficiency& e) {
+  return std::isnan(e.value_lo) ? "" : blank_reason(e.value_lo, e.value_hi, e.uniform);
+}
+
 Json document(const Case& c, const Measured& m) {
   const Efficiency& e = m.headline;
   const Estimate figures = as_it_is(e);
@@ -177,6 +182,8 @@ Json document(const Case& c, const Measured& m) {
   json["p_in"] = static_cast<double>(e.in_target) / static_cast<double>(e.samples);
   json["D"] = number(figures.undefended);
   json["D_eps0.05"] = number(figures.value);
+  json["D_eps0.05_CI95"] = {number(e.value_lo), number(e.value_hi)};
+  json["blank"] = blank_of(e).empty() ? Json(nullptr) : Json(blank_of(e));
   json["D_eps0.01"] = number(figures.light_value);
   json["gain_eps0.05"] = number(figures.gain);
   json["D_mass"] = number(e.mass);
@@ -222,12 +229,19 @@ Json document(const Case& c, const Measured& m) {
 
 std::string figure_text(double x) { return std::isnan(x) ? "-" : fmt::format("{:.3f}", x); }
 
+std::string interval_text(double lo, double hi) {
+  return lo == hi ? figure_text(lo) : fmt::format("{:.2f} to {:.2f}", lo, hi);
+}
+
+std::string row(std::string_view name, const std::string& text, std::string_view meaning) {
+  return fmt::format("  {:<16} {:>13}  {}\n", name, text, meaning);
+}
 std::string row(std::string_view name, double x, std::string_view meaning) {
-  return fmt::format("  {:<16} {:>9}  {}\n", name, figure_text(x), meaning);
+  return row(name, figure_text(x), meaning);
 }
 
 std::string meaning_of(const std::string& flag) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> meanings = {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> meanings = {
       {{"underpowered", "as many uniform samples would put fewer than 10 into the target: draw more"},
        {"censored",
         "no sample lies in the target: D_mass_LB95 is all that is known, the rest is what so few leave possible"},
@@ -238,6 +252,7 @@ std::string meaning_of(const std::string& flag) {
        {"indicative", "nearest neighbours are far from the truth in so many dimensions: --estimator arc gives a bound"},
        {"few in target", "fewer than 300 samples lie in the target: the bound may be off by more than 0.1; draw more"},
        {"cannot reach", "part of the target is invalid, and these samples can never be"},
+       {"covers the space", "the target covers nearly the whole space: there is nothing to tell"},
        {"invalid path", "a configuration of the path is invalid: is 'free' the scene that it was planned in?"}}};
   const auto* const it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
   return it != meanings.end() ? fmt::format("{}: {}", flag, it->second) : flag;
@@ -282,13 +297,23 @@ std::string table(const Case& c, const Measured& m) {
   }
   for (const std::string& note : m.notes) text += fmt::format("note: {}\n", note);
   text += fmt::format("estimator: {}\n\n", e.estimator);
-  text +=
-      row("D_eps0.05", figures.value, "nats, less is better: divergence of the samples with 5 % uniform ones mixed in");
+  const bool printed = blank_of(e).empty() && !std::isnan(e.value_lo);
+  const std::string what = "divergence of the samples with 5 % uniform ones mixed in";
+  if (printed) {
+    text += row("D_eps0.05", interval_text(e.value_lo, e.value_hi), "nats, less is better: " + what);
+    text += row("gain_eps0.05", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo),
+                "nats above uniform sampling, more is better: D_uniform - D_eps0.05");
+  } else if (!std::isnan(e.value_lo)) {
+    text += row("D_eps0.05", "",
+                fmt::format("{}: {} ({} to {})", what, blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
+  }
+  text += row("estimate", figures.value,
+              fmt::format("D_eps0.05 by {}{}", e.estimator,
+                          e.estimator.starts_with("exact") ? "" : ", if the samples show all of the distribution"));
   text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
   text += row("  spread", figures.parts.spread, "of it: how unevenly those that do cover the target");
   text += row("    along", figures.parts.along, "of the spread: along the path");
   text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
-  text += row("gain_eps0.05", figures.gain, "nats above uniform sampling, more is better: D_uniform - D_eps0.05");
   text += row("D_uniform", e.uniform, "D_eps0.05 of uniform sampling");
   text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
   text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
