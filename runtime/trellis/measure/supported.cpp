@@ -31,6 +31,7 @@ constexpr std::size_t least_k = 4;         // neighbours of the least smooth den
 constexpr std::size_t smoother = 5;        // the ratio of the numbers of neighbours
 constexpr std::size_t pool_expected = 40;  // points of the target in a ball
 constexpr double contradicted = 8.0;       // the largest statistic that does not contradict a density
+constexpr double atoms_each_pair = 40.0;   // samples of atoms that occurred once, for each that occurred twice
 constexpr double unseen = 16.0;            // samples that a part of the target may lack unseen
 constexpr double unseen_smoothed = 40.0;   // the same where the density is smoothed
 
@@ -239,9 +240,10 @@ class Supporter {
   // The upper end -----------------------------------------------------------------------------------------------------
 
   [[nodiscard]] double highest() {
-    // A configuration that occurs twice shows that others, which occur once, may have no density either.
+    // Configurations that occur twice show that others, which occur once, may have no density either.
     const auto& copies = evaluation_.samples.copies();
-    const bool atoms = std::find(copies.begin(), copies.end(), std::size_t{2}) != copies.end();
+    hidden_atoms_ = atoms_each_pair * static_cast<double>(std::count(copies.begin(), copies.end(), std::size_t{2}));
+    const bool atoms = hidden_atoms_ >= static_cast<double>(once_);
     if (once_ < least_tested || atoms || !evaluation_.unreachable.empty()) return largest();
     const std::size_t tested = std::min(once_, most_tested);
     const std::size_t half = tested / 2;
@@ -392,7 +394,8 @@ class Supporter {
   /// The divergence of a density that `lacking` of the samples may be missing from, where it is lowest.
   [[nodiscard]] double divergence(const std::vector<double>& log_density, const Density& density, std::size_t tested,
                                   double lacking) const {
-    const double least_mass = smallest_share(total_, once_, upper_error);
+    const double with_density = 1.0 - hidden_atoms_ / static_cast<double>(once_);
+    const double least_mass = smallest_share(total_, once_, upper_error) * with_density;
     const auto count = static_cast<double>(log_density.size());
     std::vector<std::size_t> by(log_density.size());
     std::iota(by.begin(), by.end(), std::size_t{0});
@@ -418,6 +421,7 @@ class Supporter {
   std::size_t points_;
   std::size_t total_;
   std::size_t once_;  ///< samples in the target that occur once
+  double hidden_atoms_ = 0.0;
   double mixed_;      ///< the density of the uniform samples of the mixture, relative to T
   std::vector<std::size_t> order_;
   std::vector<Feature> features_;
