@@ -171,8 +171,9 @@ TEST_CASE("a run is scored on the paths of other seeds, the same ones under ever
         CHECK(std::isfinite(root_of(*own).root_cross->tree.value));
       }
     }
-    // All runs give their paths where that many are asked for, else those of both strategies do.
-    if (cross >= 2) CHECK(givers.size() > 3);
+    // One run of each seed gives its path, and more where that many are asked for.
+    if (cross == 2) CHECK(givers.size() == experiment.seeds.size());
+    if (cross > 2) CHECK(givers.size() > experiment.seeds.size());
   }
 }
 
@@ -332,6 +333,29 @@ TEST_CASE("samples of all seeds together are scored without the seed whose path 
   }
   experiment.measure->cross = 0;
   CHECK(run(experiment).pooled.empty());
+}
+
+TEST_CASE("the scores of the overview are a part of all scores", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.seeds = {1, 2, 3, 4, 5};
+  experiment.measure = Measure{.target = tube(), .cross = 2};
+  const ExperimentResult all = run(experiment);
+  const ExperimentResult part = run(experiment, {.scope = ScoreScope::overview});
+  REQUIRE(part.runs.size() == all.runs.size());
+  for (std::size_t i = 0; i < all.runs.size(); ++i) {
+    const LevelResult& whole = root_of(all.runs[i]);
+    const LevelResult& few = root_of(part.runs[i]);
+    CHECK_FALSE(few.root.has_value());
+    REQUIRE(few.root_cross.has_value());
+    for (const auto role : {&Scores::tree, &Scores::expansion}) {
+      CHECK((*few.root_cross.*role).value == (*whole.root_cross.*role).value);
+      CHECK((*few.root_cross.*role).value_hi == (*whole.root_cross.*role).value_hi);
+    }
+  }
+  REQUIRE(part.pooled.size() == all.pooled.size());
+  for (std::size_t i = 0; i < all.pooled.size(); ++i) {
+    CHECK(part.pooled[i].scores.tree.value_lo == all.pooled[i].scores.tree.value_lo);
+  }
 }
 
 TEST_CASE("a run's own path flatters its tree", "[scoring]") {

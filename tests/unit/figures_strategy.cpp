@@ -108,18 +108,17 @@ TEST_CASE("a waterfall goes from uniform sampling to the root under the strategy
   draw::Waterfall picture;
   picture.title = "rrt on simple_passage: what each level adds above uniform";
   picture.caption =
-      "Lifted to the root's space, against the root's own path; means over 14 of 15 runs; whiskers: 95 % Student "
-      "interval.";
+      "Lifted to the root's space: means over 14 runs, on their own paths; whiskers: what the samples support, with 95 "
+      "%.";
   const auto panel = [](const std::string& role, const std::vector<double>& values) {
-    std::vector<double> gains;
-    for (const double value : values) gains.push_back(2.41 - value);
-    const auto step = [](const std::string& label, const Interval& i) {
-      return draw::WaterfallStep{label, i.value, i.lo, i.hi};
-    };
+    // The fixture's intervals end 0.2 below and 0.3 above each estimate of the divergence.
+    const Interval all = student_interval(values);
+    const double lo = 2.41 - (all.hi + 0.3);
+    const double hi = 2.41 - (all.lo - 0.2);
     draw::WaterfallPanel p;
     p.title = role;
-    p.levels = {step("root", student_interval(gains))};
-    p.root = step("above uniform", student_interval(gains));
+    p.levels = {{"root", 0.5 * (lo + hi), lo, hi}};
+    p.root = {"above uniform", 0.5 * (lo + hi), lo, hi};
     return p;
   };
   picture.panels = {panel("tree", tree), panel("expansion", expansion)};
@@ -170,7 +169,21 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
 TEST_CASE("the plane has a point for each level and an arrow to each from what guides it", "[report][figures]") {
   auto [experiment, result] = fixture::passage();
   add_profiles(result);
-  const RunsSummary summary = summarise(select_runs(result, "simple_passage", "nested"));
+  // Few samples of the lower levels support nothing: they have no point.
+  const auto few = strategy_figures("simple_passage", "nested", summarise(result, "simple_passage", "nested")).plane;
+  REQUIRE(few);
+  CHECK(few->panels[0].series.size() == 3);
+  CHECK(few->caption.find("not drawn: too few samples") != std::string::npos);
+  for (RunResult& run : result.runs) {
+    for (LevelResult& level : run.levels) {
+      if (!level.root) continue;
+      for (Efficiency* e : {&level.root->tree, &level.root->expansion}) {
+        e->value_lo = e->value - 0.2;
+        e->value_hi = e->value + 0.3;
+      }
+    }
+  }
+  const RunsSummary summary = summarise(result, "simple_passage", "nested");
   const auto figure = strategy_figures("simple_passage", "nested", summary).plane;
   REQUIRE(figure);
   REQUIRE(figure->panels.size() == 2);
@@ -181,8 +194,10 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
   for (std::size_t i = 0; i < 4; ++i) {
     const draw::Series& point = tree.series[i + 1];
     const Figure& lifted = summary.levels[i].root.tree;
-    CHECK(point.x.front() == Approx(lifted.uniform.value - lifted.mass_part.value));
-    CHECK(point.y.front() == Approx(-lifted.spread_part.value));
+    const double mass = lifted.uniform.value - lifted.mass_part.value;
+    const AboveUniform above = headline(summary.levels[i], SampleRole::tree).above;
+    CHECK(point.x.front() == Approx(mass));
+    CHECK(point.y.front() == Approx(0.5 * (above.lo + above.hi) - mass));
     CHECK(point.x_lo.front() <= point.x.front());
     CHECK(point.lo.front() <= point.y.front());
     CHECK(*point.colour == draw::palette::level(i));
@@ -197,7 +212,7 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
   CHECK(leads(1, 4, 3));
   CHECK(leads(2, 3, 2));
   CHECK(leads(3, 2, 1));
-  CHECK(figure->caption.find("means over 15 runs") != std::string::npos);
+  CHECK(figure->caption.find("means over 15 runs, on their own paths") != std::string::npos);
   // The skeleton proposes nothing: three levels and uniform sampling.
   CHECK(figure->panels[1].series.size() == 4);
 }

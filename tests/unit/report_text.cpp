@@ -171,3 +171,39 @@ TEST_CASE("the report warns of a guide that does worse than none, and of no othe
   REQUIRE_FALSE(failing.empty());
   CHECK(failing.front() == "nested solves fewer runs than rrt, which has no guide: 2 of 15 against 14");
 }
+
+TEST_CASE("samples of all seeds together come first, and single runs that differ are named", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  for (RunResult& run : result.runs) {
+    for (LevelResult& level : run.levels) level.root_cross = level.root;
+  }
+  PooledScores pooled{.problem = "simple_passage", .strategy = "nested", .key = "0", .seeds = 14, .targets = 2};
+  pooled.scores.tree = fixture::efficiency(2.41, 2.75, 700);
+  pooled.scores.tree.value_lo = 2.6;
+  pooled.scores.tree.value_hi = 3.0;
+  pooled.scores.tree.perfect = 0.05;
+  pooled.scores.expansion = fixture::efficiency(2.41, 1.2, 700);
+  result.pooled = {pooled};
+  const RunsSummary summary = summarise(result, "simple_passage", "nested");
+  const LevelSummary& root = summary.levels.front();
+  REQUIRE(root.pooled);
+  const Headline nodes = headline(root, SampleRole::tree);
+  CHECK(nodes.seeds == 15);
+  CHECK(nodes.above.lo == Approx(2.41 - 3.0));
+  CHECK(nodes.above.hi == Approx(2.41 - 2.6));
+  CHECK(nodes.above.scale_lo == Approx((2.6 - 0.05) / (2.41 - 0.05)));
+  CHECK(disagree(nodes.above, over_runs(root, SampleRole::tree).above));
+  CHECK_FALSE(disagree(headline(root, SampleRole::expansion).above, over_runs(root, SampleRole::expansion).above));
+  // Levels without such samples are averaged over the runs.
+  CHECK(headline(summary.levels[1], SampleRole::tree).seeds == 0);
+  CHECK(summary.tree_waterfall.steps.back().after.value == Approx(2.41 - 2.8));
+  const std::string text = report_text(experiment, result, 100, ReportKind::overview);
+  for (const char* words : {"-0.59…-0.19", "the samples of all 15 seeds together", "single runs differ: root nodes +",
+                            "scale, 0 perfect guidance, 1 uniform sampling: root", "nodes 1.08…1.25"}) {
+    CAPTURE(words);
+    CHECK(text.find(words) != std::string::npos);
+  }
+  // Fewer than five seeds are not enough.
+  result.pooled.front().seeds = 3;
+  CHECK(headline(summarise(result, "simple_passage", "nested").levels.front(), SampleRole::tree).seeds == 0);
+}

@@ -218,8 +218,9 @@ struct SupportedResult {
 };
 
 /// \param seeds  one target and one set of samples for each
+/// \param rough  whether the interval uses fewer samples and points, as those of single runs do
 inline SupportedResult supported_result(std::size_t dimension, const SupportedCase& c, std::size_t samples,
-                                        std::size_t first_seed, std::size_t seeds) {
+                                        std::size_t first_seed, std::size_t seeds, bool rough = false) {
   constexpr double accuracy = 0.01;  // of the volume of the target
   const StraightTube tube(dimension);
   // Several sets of points of the target, as every run has its own.
@@ -235,7 +236,7 @@ inline SupportedResult supported_result(std::size_t dimension, const SupportedCa
       c.draw(stream, x);
       rows.push(x);
     }
-    const Efficiency e = efficiency(*target, rows, {.headline_only = true, .points = 64});
+    const Efficiency e = efficiency(*target, rows, {.headline_only = true, .rough_interval = rough, .points = 64});
     result.lo += e.value_lo / static_cast<double>(seeds);
     result.hi += e.value_hi / static_cast<double>(seeds);
     const bool blank = !blank_reason(e.value_lo, e.value_hi, e.uniform).empty();

@@ -47,6 +47,8 @@ void push_efficiency(Stack& call, const Efficiency& e) {
     call.set_field(table, name);
   };
   set("value", e.value);
+  set("value_lo", e.value_lo);
+  set("value_hi", e.value_hi);
   set("gain", e.gain);
   set("uniform", e.uniform);
   set("coverage", e.coverage);

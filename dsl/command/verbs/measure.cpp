@@ -183,6 +183,8 @@ Json document(const Case& c, const Measured& m) {
   json["D"] = number(figures.undefended);
   json["D_eps0.05"] = number(figures.value);
   json["D_eps0.05_CI95"] = {number(e.value_lo), number(e.value_hi)};
+  json["scale_CI95"] = {number(on_scale(e.value_lo, e.perfect, e.uniform)),
+                        number(on_scale(e.value_hi, e.perfect, e.uniform))};
   json["blank"] = blank_of(e).empty() ? Json(nullptr) : Json(blank_of(e));
   json["D_eps0.01"] = number(figures.light_value);
   json["gain_eps0.05"] = number(figures.gain);
@@ -297,27 +299,40 @@ std::string table(const Case& c, const Measured& m) {
   }
   for (const std::string& note : m.notes) text += fmt::format("note: {}\n", note);
   text += fmt::format("estimator: {}\n\n", e.estimator);
-  const bool printed = blank_of(e).empty() && !std::isnan(e.value_lo);
+  // An interval exists where the target is uniform; the estimates are printed unless it is blank.
+  const bool blank = !blank_of(e).empty();
+  const bool printed = !blank && !std::isnan(e.value_lo);
   const std::string what = "divergence of the samples with 5 % uniform ones mixed in";
   if (printed) {
     text += row("D_eps0.05", interval_text(e.value_lo, e.value_hi), "nats, less is better: " + what);
     text += row("gain_eps0.05", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo),
                 "nats above uniform sampling, more is better: D_uniform - D_eps0.05");
-  } else if (!std::isnan(e.value_lo)) {
+    if (!covers_space(e.uniform)) {
+      text += row("scale",
+                  interval_text(on_scale(e.value_lo, e.perfect, e.uniform), on_scale(e.value_hi, e.perfect, e.uniform)),
+                  "from 0, perfect guidance, to 1, uniform sampling");
+    }
+  } else if (blank) {
     text += row("D_eps0.05", "",
                 fmt::format("{}: {} ({} to {})", what, blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
   }
-  text += row("estimate", figures.value,
-              fmt::format("D_eps0.05 by {}{}", e.estimator,
-                          e.estimator.starts_with("exact") ? "" : ", if the samples show all of the distribution"));
+  if (!blank) {
+    text += row("estimate", figures.value,
+                fmt::format("D_eps0.05 by {}{}", e.estimator,
+                            e.estimator.starts_with("exact") ? "" : ", if the samples show all of the distribution"));
+  }
   text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
-  text += row("  spread", figures.parts.spread, "of it: how unevenly those that do cover the target");
-  text += row("    along", figures.parts.along, "of the spread: along the path");
-  text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
+  if (!blank) {
+    text += row("  spread", figures.parts.spread, "of it: how unevenly those that do cover the target");
+    text += row("    along", figures.parts.along, "of the spread: along the path");
+    text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
+  }
   text += row("D_uniform", e.uniform, "D_eps0.05 of uniform sampling");
   text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
-  text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
-  text += row("D", figures.undefended, "of the samples as they are");
+  if (!blank) {
+    text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
+    text += row("D", figures.undefended, "of the samples as they are");
+  }
   text += row(
       "D_mass", e.mass,
       fmt::format("-log of the share of the samples in the target; 95 % interval: {} to {}{}", figure_text(e.mass_lo),
@@ -330,7 +345,8 @@ std::string table(const Case& c, const Measured& m) {
       fmt::format("share of the target within delta of a sample; uniform ones: {}", figure_text(e.uniform_coverage)));
   text += row("cov_half_delta", e.coverage_half,
               fmt::format("within half of delta; uniform ones: {}", figure_text(e.uniform_coverage_half)));
-  text += row("JS", figures.js, "Jensen-Shannon divergence, from 0 (the same) to 0.693 (nothing in common)");
+  if (!blank)
+    text += row("JS", figures.js, "Jensen-Shannon divergence, from 0 (the same) to 0.693 (nothing in common)");
   text += profile(e.along);
   if (!m.answers.empty()) {
     text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", "estimator", "D_eps0.05", "mass",

@@ -83,7 +83,7 @@ struct Options {
 };
 
 /// Runs the experiment; after an interruption reduces it to what is finished (run_or_part).
-ExperimentResult run_cells(Experiment& experiment, unsigned jobs, bool quiet, std::string& finished) {
+ExperimentResult run_cells(Experiment& experiment, unsigned jobs, bool quiet, ScoreScope scope, std::string& finished) {
   const InterruptibleRun interruptible;
   Progress progress(!quiet);
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
@@ -91,6 +91,7 @@ ExperimentResult run_cells(Experiment& experiment, unsigned jobs, bool quiet, st
   return run_or_part(
       experiment,
       {.jobs = jobs,
+       .scope = scope,
        .progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
        .ablation_progress = [&](std::size_t done, std::size_t all) { progress.show("ablation", done, all); },
        .interrupted = InterruptibleRun::requested},
@@ -318,6 +319,15 @@ bool has_other_outputs(const Options& options) {
   return std::any_of(outputs.begin(), outputs.end(), [](const std::string* output) { return !output->empty(); });
 }
 
+/// Returns the scores that the outputs have: without files, the overview prints a part of them.
+ScoreScope scope_of(const Options& options, ReportKind kind) {
+  const std::array files = {&options.json,    &options.csv,     &options.html,
+                            &options.samples, &options.figures, &options.out};
+  const bool none = std::all_of(files.begin(), files.end(), [](const std::string* file) { return file->empty(); });
+  const bool overview = options.quiet || kind == ReportKind::overview || kind == ReportKind::levels;
+  return none && overview ? ScoreScope::overview : ScoreScope::all;
+}
+
 /// Loads the script and applies the options to its experiment.
 dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
   session.seed = options.seed.value_or(session.seed);
@@ -402,8 +412,9 @@ int run(const Options& options) {
   }
   const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
   std::string finished;  // before an interruption
-  const ExperimentResult result = resume ? run_problems(experiment, threads, options, drawing, *resume)
-                                         : run_cells(experiment, threads, options.quiet, finished);
+  const ExperimentResult result =
+      resume ? run_problems(experiment, threads, options, drawing, *resume)
+             : run_cells(experiment, threads, options.quiet, scope_of(options, kind), finished);
   samples.keep();
   figures.keep();
   gltf.keep();

@@ -290,7 +290,8 @@ class Runner {
   void measure() {
     if (!experiment_.measure) return;
     score(
-        experiment_, result_, scoring_jobs(options_), [this] { progress(); }, [this] { return interrupted(); }, store_);
+        experiment_, result_, scoring_jobs(options_), [this] { progress(); }, [this] { return interrupted(); },
+        options_.scope, store_);
     result_.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned_).count();
   }
 
@@ -492,7 +493,8 @@ ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& op
       };
       try {
         score(
-            experiment, result, Runner::scoring_jobs(options), [] {}, [&] { return passed() > patience; }, nullptr);
+            experiment, result, Runner::scoring_jobs(options), [] {}, [&] { return passed() > patience; },
+            options.scope);
         result.measuring_seconds = passed();
       } catch (const Interrupted&) {
         without_scores();

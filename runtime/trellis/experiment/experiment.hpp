@@ -209,10 +209,19 @@ struct ExperimentResult {
   double measuring_seconds = 0.0;      ///< wall clock of their scoring
 };
 
+/// The scores that an experiment computes.
+enum class ScoreScope : std::uint8_t {
+  all,
+  /// What the overview prints: each level lifted to the root's space, on the paths of other seeds (on the run's own
+  /// path where there are none), and pooled. A quarter of the work.
+  overview
+};
+
 struct ExperimentOptions {
   unsigned jobs = 1;  ///< number of concurrent cells
   /// Threads for scoring, after all cells have run and no time is measured any more; 0: as many as the machine has.
   unsigned scoring_jobs = 0;
+  ScoreScope scope = ScoreScope::all;
   /// Called after each cell's run and after its scoring, from one thread at a time, with the numbers of finished and of
   /// all steps.
   std::function<void(std::size_t, std::size_t)> progress = {};

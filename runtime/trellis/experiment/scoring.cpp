@@ -12,6 +12,7 @@
 #include <trellis/base/polling.hpp>
 #include <trellis/experiment/targets.hpp>
 #include <trellis/measure/samples.hpp>
+#include <trellis/measure/statistics.hpp>
 
 namespace trellis {
 
@@ -68,7 +69,8 @@ struct Donor {
 class ProblemScoring {
  public:
   ProblemScoring(const Experiment& experiment, std::vector<RunResult*> runs, unsigned jobs,
-                 const std::function<void()>& progress, const std::function<bool()>& interrupted, RunStore* store)
+                 const std::function<void()>& progress, const std::function<bool()>& interrupted, ScoreScope scope,
+                 RunStore* store)
       : experiment_(experiment),
         measure_(*experiment.measure),
         runs_(std::move(runs)),
@@ -79,8 +81,10 @@ class ProblemScoring {
         store_(std::holds_alternative<UserTarget>(measure_.target) ? nullptr : store),
         seeds_(experiment.seeds.size()),
         strategies_(experiment.strategies.size()),
+        overview_(scope == ScoreScope::overview),
         users_(std::holds_alternative<UserTarget>(measure_.target)),
-        headline_only_(measure_.estimators == default_estimators()) {
+        headline_only_(measure_.estimators == default_estimators()),
+        rough_intervals_(crosses() && seeds_ >= least_for_interval) {
     const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
                                       [&](const Problem& p) { return p.name == runs_.front()->problem; });
     scored_->problem = &*problem;
@@ -99,7 +103,7 @@ class ProblemScoring {
     const bool pooled_known = store_ != nullptr && store_->restore_pooled(runs_.front()->problem, pooled);
     if (missing.empty() && pooled_known) return;
     for (RunResult* run : runs_) guard(*run);
-    choose_equal_number();
+    if (!overview_) choose_equal_number();
     make_shared_targets();
     in_parallel(missing.size(), jobs_, [&](std::size_t i) {
       const PollScope polled(polled_);
@@ -107,23 +111,10 @@ class ProblemScoring {
       if (store_ != nullptr) store_->scored(*runs_[missing[i]]);
       progress_();
     });
-    if (!pooled_known) score_all_pooled(pooled);
+    if (!pooled_known) score_pooled(pooled);
   }
 
  private:
-  void score_all_pooled(std::vector<PooledScores>& pooled) {
-    std::vector<std::optional<PooledScores>> of_strategies(strategies_);
-    in_parallel(strategies_, jobs_, [&](std::size_t s) {
-      const PollScope polled(polled_);
-      of_strategies[s] = score_pooled(s);
-    });
-    std::vector<PooledScores> found;
-    for (auto& one : of_strategies) {
-      if (one) found.push_back(std::move(*one));
-    }
-    if (store_ != nullptr) store_->pooled(runs_.front()->problem, found);
-    std::move(found.begin(), found.end(), std::back_inserter(pooled));
-  }
   [[nodiscard]] RunResult& run(std::size_t strategy, std::size_t seed) const {
     return *runs_[strategy * seeds_ + seed];
   }
@@ -193,9 +184,9 @@ class ProblemScoring {
       for (std::size_t lap = 0; lap < givers.size() && donors_[seed].size() < wanted; ++lap) {
         for (std::size_t k = 1; k < seeds_ && donors_[seed].size() < wanted; ++k) {
           const std::size_t other = (seed + k) % seeds_;
-          // The next strategy in turn, or the first after it that found a path under this seed.
+          // The strategies take turns by seed, each seed with one, or the first after it that found a path.
           for (std::size_t turn = 0; turn < givers.size(); ++turn) {
-            const std::size_t index = givers[(other + k + lap + turn) % givers.size()] * seeds_ + other;
+            const std::size_t index = givers[(other + lap + turn) % givers.size()] * seeds_ + other;
             const bool taken = std::find(donors_[seed].begin(), donors_[seed].end(), index) != donors_[seed].end();
             if (taken || !has_path(*runs_[index])) continue;
             donors_[seed].push_back(index);
@@ -223,7 +214,7 @@ class ProblemScoring {
       poll();
       const RunResult& result = *runs_[i];
       if (gives[i] != 0) root_targets_[i] = own_target(result, result.levels.front());
-      if (!measure_.cross_levels) return;
+      if (!measure_.cross_levels || overview_) return;
       level_targets_[i].resize(result.levels.size());
       for (std::size_t l = 1; l < result.levels.size(); ++l) {
         level_targets_[i][l] = own_target(result, result.levels[l]);
@@ -305,6 +296,7 @@ class ProblemScoring {
   struct Effort {
     bool brief = false;       ///< uses the headline's estimator and `knn` only
     bool few_points = false;  ///< uses a part of the target's points
+    bool pooled = false;      ///< of all seeds together: the interval uses all that there is
   };
   [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, SampleSupport support,
                                   const std::function<double(View)>& density, Effort effort) const {
@@ -320,6 +312,7 @@ class ProblemScoring {
                        .estimators = measure_.estimators,
                        .brief = effort.brief,
                        .headline_only = headline_only_,
+                       .rough_interval = rough_intervals_ && !effort.pooled,
                        .density = density,
                        .points = effort.few_points ? static_cast<std::size_t>(few_points) : 0,
                        .pool = effort.few_points ? static_cast<std::size_t>(small_pool) : 0,
@@ -348,6 +341,7 @@ class ProblemScoring {
                         {.support = SampleSupport::anything,
                          .estimators = measure_.estimators,
                          .headline_only = true,
+                         .rough_interval = rough_intervals_,
                          .density = density,
                          .points = static_cast<std::size_t>(few_points),
                          .pool = static_cast<std::size_t>(small_pool),
@@ -419,11 +413,18 @@ class ProblemScoring {
   }
 
   void score_paths(std::size_t index, RunResult& result) {
-    const MadeTarget root = root_targets_[index] ? *root_targets_[index] : own_target(result, result.levels.front());
     std::vector<TargetPointer> crossing;
     for (const std::size_t donor : donors_[index % seeds_]) {
       if (root_targets_[donor]->target) crossing.push_back(root_targets_[donor]->target);
     }
+    if (overview_ && !crossing.empty()) {
+      for (LevelResult& level : result.levels) {
+        const Sets sets = root_sets(result, level.record, result.levels.front().record.space);
+        level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets, true); });
+      }
+      return;
+    }
+    const MadeTarget root = root_targets_[index] ? *root_targets_[index] : own_target(result, result.levels.front());
     if (root.target) keep(*root.target, result.target);
     const Space& space = result.levels.front().record.space;
     for (LevelResult& level : result.levels) {
@@ -440,17 +441,7 @@ class ProblemScoring {
         level.own_cross = level.root_cross;
         continue;
       }
-      const auto at = static_cast<std::size_t>(&level - result.levels.data());
-      const MadeTarget own = level_targets_[index].empty() ? own_target(result, level) : level_targets_[index][at];
-      const std::vector<TargetPointer> others = level_targets(index, record);
-      if (own.target || !others.empty()) {
-        const Sets sets = own_sets(record);
-        if (own.target) level.own = scores(*own.target, sets, false);
-        level.own_cross = mean_scores(others, [&](const Target& target) { return scores(target, sets, true); });
-      }
-      if (!own.target && record.solution.solved() && !std::holds_alternative<UserTarget>(measure_.target)) {
-        level.own = absent(record, own.reason);
-      }
+      score_own_space(index, result, level);
     }
     // A target that is the same for every run has no cross scores.
     if (std::holds_alternative<NearOptimalSettings>(measure_.target)) {
@@ -461,6 +452,21 @@ class ProblemScoring {
     }
     tell(result, result.levels.front().record);
     score_equal_number(result.levels.front(), root, crossing);
+  }
+
+  void score_own_space(std::size_t index, const RunResult& result, LevelResult& level) const {
+    const LevelRecord& record = level.record;
+    const auto at = static_cast<std::size_t>(&level - result.levels.data());
+    const MadeTarget own = level_targets_[index].empty() ? own_target(result, level) : level_targets_[index][at];
+    const std::vector<TargetPointer> others = level_targets(index, record);
+    if (own.target || !others.empty()) {
+      const Sets sets = own_sets(record);
+      if (own.target) level.own = scores(*own.target, sets, false);
+      level.own_cross = mean_scores(others, [&](const Target& target) { return scores(target, sets, true); });
+    }
+    if (!own.target && record.solution.solved() && !std::holds_alternative<UserTarget>(measure_.target)) {
+      level.own = absent(record, own.reason);
+    }
   }
 
   /// Stores a subset of a target's points, with its distribution.
@@ -508,42 +514,58 @@ class ProblemScoring {
   // All seeds together
   // -------------------------------------------------------------------------------------------------
 
-  /// Returns the samples of all runs of a strategy but one, and their density if all runs record it.
-  [[nodiscard]] Sets pooled_sets(std::size_t strategy, std::size_t without) const {
-    const LevelRecord* first = nullptr;
+  /// What the pool takes from the run of one seed, lifted to the root's space.
+  struct PooledRun {
+    const LevelRecord* record = nullptr;  ///< nullptr: the run did not reach the level
     Configurations nodes;
     Configurations proposals;
+  };
+
+  [[nodiscard]] std::vector<PooledRun> pooled_runs(std::size_t strategy, const std::string& key) const {
+    std::vector<PooledRun> runs(seeds_);
+    for (std::size_t seed = 0; seed < seeds_; ++seed) {
+      const RunResult& one = run(strategy, seed);
+      const auto level = std::find_if(one.levels.begin(), one.levels.end(),
+                                      [&](const LevelResult& candidate) { return candidate.record.key == key; });
+      if (level == one.levels.end()) continue;
+      const LevelRecord& record = level->record;
+      const auto some = [&](const Configurations& rows, const char* name) {
+        return thinned(rows, pooled_samples, Stream(measure_seed + one.seed, key, name));
+      };
+      runs[seed] = {&record, some(record.search.tree_samples(record.root_nodes()), "pooled nodes"),
+                    some(expansion(record, record.root_proposals()), "pooled proposals")};
+    }
+    return runs;
+  }
+
+  /// Returns the nodes of all runs but one, or the proposals with their density if all runs record it.
+  [[nodiscard]] Sets pooled_sets(const Space& root, const std::vector<PooledRun>& runs, std::size_t without,
+                                 bool tree) const {
+    const LevelRecord* first = nullptr;
+    Configurations nodes(root.dimension());
+    Configurations proposals(root.dimension());
     std::vector<std::pair<double, const LevelRecord*>> known;
     bool closed = true;
     double total = 0.0;
     for (std::size_t seed = 0; seed < seeds_; ++seed) {
-      const RunResult& one = run(strategy, seed);
-      if (seed == without || one.levels.empty()) continue;
-      const LevelRecord& record = one.levels.front().record;
-      if (first == nullptr) {
-        first = &record;
-        nodes = Configurations(record.space.dimension());
-        proposals = Configurations(record.space.dimension());
-      }
-      const auto add = [&](Configurations& all, const Configurations& rows, const char* name) {
-        const Configurations some = thinned(rows, pooled_samples, Stream(measure_seed + one.seed, record.key, name));
-        for (std::size_t i = 0; i < some.size(); ++i) all.push(some[i]);
-      };
-      add(nodes, record.search.tree_samples(record.root_nodes()), "pooled nodes");
-      const Configurations proposed = expansion(record, record.root_proposals());
-      add(proposals, proposed, "pooled proposals");
-      if (proposed.empty()) continue;
+      const PooledRun& one = runs[seed];
+      if (seed == without || one.record == nullptr) continue;
+      if (first == nullptr) first = one.record;
+      for (std::size_t i = 0; tree && i < one.nodes.size(); ++i) nodes.push(one.nodes[i]);
+      if (tree) continue;
+      for (std::size_t i = 0; i < one.proposals.size(); ++i) proposals.push(one.proposals[i]);
+      if (one.proposals.empty()) continue;
       // The weight of a run is its number of samples in the pool.
-      const auto weight = static_cast<double>(std::min(proposed.size(), pooled_samples));
-      closed = closed && record.root_proposal_density;
-      known.emplace_back(weight, &record);
+      const auto weight = static_cast<double>(one.proposals.size());
+      closed = closed && one.record->root_proposal_density;
+      known.emplace_back(weight, one.record);
       total += weight;
     }
-    if (first == nullptr) return {.tree = {Space(), {}}, .expansion = {Space(), {}}};
-    Sets sets{.tree = {first->space, nodes},
-              .expansion = {first->space, proposals},
-              .support = sample_support(*first),
-              .brief = true};
+    const bool at_root = first != nullptr && first->level == 0;
+    Sets sets{.tree = {root, nodes},
+              .expansion = {root, proposals},
+              .support = at_root ? sample_support(*first) : SampleSupport::anything,
+              .brief = !at_root};
     if (closed && !known.empty()) {
       sets.density = [known, total](View x) {
         double sum = 0.0;
@@ -554,29 +576,84 @@ class ProblemScoring {
     return sets;
   }
 
-  [[nodiscard]] std::optional<PooledScores> score_pooled(std::size_t strategy) const {
-    if (users_ || !crosses() || !gives_paths(strategy)) return std::nullopt;
-    std::vector<Efficiency> tree;
-    std::vector<Efficiency> expansions;
-    // One path of each of some seeds, from any strategy that found one.
+  /// Returns the keys of the levels that the runs of a strategy reached.
+  [[nodiscard]] std::vector<std::string> level_keys(std::size_t strategy) const {
+    std::vector<std::string> keys;
+    for (std::size_t seed = 0; seed < seeds_; ++seed) {
+      for (const LevelResult& level : run(strategy, seed).levels) {
+        if (std::find(keys.begin(), keys.end(), level.record.key) == keys.end()) keys.push_back(level.record.key);
+      }
+    }
+    return keys;
+  }
+
+  /// One path of each of some seeds, from any strategy that found one.
+  [[nodiscard]] std::vector<std::size_t> pool_donors() const {
+    std::vector<std::size_t> donors;
     std::vector<char> taken(seeds_, 0);
-    for (std::size_t i = 0; i < runs_.size() && tree.size() < static_cast<std::size_t>(measure_.cross); ++i) {
+    for (std::size_t i = 0; i < runs_.size() && donors.size() < static_cast<std::size_t>(measure_.cross); ++i) {
       const std::size_t seed = i % seeds_;
       if (!root_targets_[i] || !root_targets_[i]->target || taken[seed] != 0) continue;
       taken[seed] = 1;
-      poll();
-      const Sets sets = pooled_sets(strategy, seed);
-      if (sets.tree.total() + sets.expansion.total() == 0) continue;
-      Scores found = scores(*root_targets_[i]->target, sets, true);
-      tree.push_back(std::move(found.tree));
-      expansions.push_back(std::move(found.expansion));
+      donors.push_back(i);
     }
-    if (tree.empty()) return std::nullopt;
-    return PooledScores{.problem = runs_.front()->problem,
-                        .strategy = run(strategy, 0).strategy,
-                        .seeds = seeds_ - 1,
-                        .targets = tree.size(),
-                        .scores = {mean(tree), mean(expansions)}};
+    return donors;
+  }
+
+  /// Scores the samples of all seeds of each level, appended.
+  void score_pooled(std::vector<PooledScores>& pooled) const {
+    struct OfLevel {
+      std::size_t strategy;
+      std::string key;
+      std::vector<PooledRun> runs;
+      std::vector<Efficiency> tree, expansion;  // of each donor
+    };
+    const std::vector<std::size_t> donors = users_ || !crosses() ? std::vector<std::size_t>() : pool_donors();
+    std::vector<OfLevel> levels;
+    for (std::size_t s = 0; s < strategies_ && !donors.empty(); ++s) {
+      if (!gives_paths(s)) continue;
+      for (const std::string& key : level_keys(s)) {
+        levels.push_back({s, key, pooled_runs(s, key), std::vector<Efficiency>(donors.size()),
+                          std::vector<Efficiency>(donors.size())});
+      }
+    }
+    const auto score_role = [&](OfLevel& level, std::size_t donor, bool tree) {
+      poll();
+      const Target& target = *root_targets_[donors[donor]]->target;
+      const Sets sets = pooled_sets(target.space(), level.runs, donors[donor] % seeds_, tree);
+      const Effort effort{.brief = sets.brief, .few_points = true, .pooled = true};
+      (tree ? level.tree : level.expansion)[donor] =
+          tree ? figure(target, sets.tree, sets.support, {}, effort)
+               : figure(target, sets.expansion, SampleSupport::anything, sets.density, effort);
+    };
+    // Only one thread at a time may call the densities of a run.
+    const std::size_t trees = levels.size() * donors.size();
+    in_parallel(trees + strategies_, jobs_, [&](std::size_t i) {
+      const PollScope polled(polled_);
+      if (i < trees) {
+        score_role(levels[i / donors.size()], i % donors.size(), true);
+        return;
+      }
+      for (OfLevel& level : levels) {
+        for (std::size_t donor = 0; donor < donors.size() && level.strategy == i - trees; ++donor) {
+          score_role(level, donor, false);
+        }
+      }
+    });
+    std::vector<PooledScores> found;
+    for (const OfLevel& level : levels) {
+      const bool any = std::any_of(level.runs.begin(), level.runs.end(),
+                                   [](const PooledRun& one) { return one.nodes.size() + one.proposals.size() > 0; });
+      if (!any) continue;
+      found.push_back({.problem = runs_.front()->problem,
+                       .strategy = run(level.strategy, 0).strategy,
+                       .key = level.key,
+                       .seeds = seeds_ - 1,
+                       .targets = donors.size(),
+                       .scores = {mean(level.tree), mean(level.expansion)}});
+    }
+    if (store_ != nullptr) store_->pooled(runs_.front()->problem, found);
+    std::move(found.begin(), found.end(), std::back_inserter(pooled));
   }
 
   // Equal numbers ----------------------------------------------------------------------------------------------------
@@ -665,25 +742,27 @@ class ProblemScoring {
   RunStore* store_;
   std::size_t seeds_;
   std::size_t strategies_;
+  bool overview_;                                        // computes the scores of the overview only
   std::vector<std::optional<MadeTarget>> root_targets_;  // of each run; empty unless it is a donor
   std::vector<std::vector<MadeTarget>> level_targets_;   // of each run's levels; empty unless `cross_levels`
   std::vector<std::vector<std::size_t>> donors_;         // of each seed
   std::size_t equal_nodes_ = 0;                          // 0: not computed
   std::size_t equal_proposals_ = 0;
-  bool users_;          // the target is a script's
-  bool headline_only_;  // no other estimator is requested
+  bool users_;            // the target is a script's
+  bool headline_only_;    // no other estimator is requested
+  bool rough_intervals_;  // of single runs: reports print the pooled ones first
   std::shared_ptr<UserTarget::ScoredSamples> scored_ = std::make_shared<UserTarget::ScoredSamples>();
 };
 
 }  // namespace
 
 void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs, const std::function<void()>& progress,
-           const std::function<bool()>& interrupted, RunStore* store) {
+           const std::function<bool()>& interrupted, ScoreScope scope, RunStore* store) {
   const std::size_t each = experiment.strategies.size() * experiment.seeds.size();
   for (std::size_t problem = 0; problem < experiment.problems.size(); ++problem) {
     std::vector<RunResult*> runs(each);
     for (std::size_t i = 0; i < each; ++i) runs[i] = &result.runs[problem * each + i];
-    ProblemScoring(experiment, runs, jobs, progress, interrupted, store).score(result.pooled);
+    ProblemScoring(experiment, runs, jobs, progress, interrupted, scope, store).score(result.pooled);
   }
 }
 

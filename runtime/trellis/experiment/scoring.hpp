@@ -12,8 +12,9 @@ namespace trellis {
 /// measure.
 /// \param progress     called after each run
 /// \param interrupted  called often; true stops the scoring with Interrupted
+/// \param scope        the scores to compute
 /// \param store        receives the scores and restores those that it has; nullptr: none
 void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs, const std::function<void()>& progress,
-           const std::function<bool()>& interrupted, RunStore* store = nullptr);
+           const std::function<bool()>& interrupted, ScoreScope scope = ScoreScope::all, RunStore* store = nullptr);
 
 }  // namespace trellis

@@ -26,6 +26,34 @@ draw::WaterfallStep step(const std::string& label, const Interval& interval) {
   return {label, interval.value, interval.lo, interval.hi};
 }
 
+/// Says of what the nats of a picture are: of all seeds together or means over runs, and what is not drawn.
+class Headlines {
+ public:
+  void add(const LevelSummary& level, SampleRole role) {
+    const Headline found = headline(level, role);
+    if (found.seeds == 0 && found.runs == 0) return;
+    seeds_ = std::max(seeds_, found.seeds);
+    runs_ = std::max(runs_, found.runs);
+    crossed_ = crossed_ || level.root_cross.tree.scored > 0;
+    blank_ = blank_ || !found.above.blank.empty();
+  }
+  /// "of all 15 seeds together, on paths of seeds left out; whiskers: what the samples support, with 95 %".
+  [[nodiscard]] std::string text() const {
+    std::string text = seeds_ > 0 ? fmt::format("of all {} seeds together, on the paths of a seed left out", seeds_)
+                                  : fmt::format("means over {}, on {}", plural(runs_, "run"),
+                                                crossed_ ? "the paths of other seeds" : "their own paths");
+    text += "; whiskers: what the samples support, with 95 %";
+    if (blank_) text += "; not drawn: too few samples to tell on which side of uniform sampling they are";
+    return text;
+  }
+
+ private:
+  std::size_t seeds_ = 0;
+  std::size_t runs_ = 0;
+  bool crossed_ = false;
+  bool blank_ = false;
+};
+
 /// Records over how many runs the means of a picture are: the runs that have the value, not all runs.
 class Averaged {
  public:
@@ -62,7 +90,7 @@ constexpr std::size_t narrow_name = 14;  ///< of a level, in one of several pane
 constexpr std::size_t wide_name = 28;
 
 /// Adds one panel for each path from an unguided level to the root: a chain has one, a mixture several.
-void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Figure& root, const std::string& role,
+void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const std::string& role,
                 draw::Waterfall& picture) {
   std::vector<std::vector<const WaterfallStep*>> chains;
   const auto follow = [&](int level, const std::vector<const WaterfallStep*>& chain, auto&& self) -> void {
@@ -85,7 +113,9 @@ void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Fi
     for (const WaterfallStep* s : chains[w]) {
       panel.levels.push_back(step(summary.levels[static_cast<std::size_t>(s->level)].name, s->added));
     }
-    panel.root = step("above uniform", root.gain);
+    const auto of_root = std::find_if(waterfall.steps.begin(), waterfall.steps.end(),
+                                      [](const WaterfallStep& s) { return s.level == 0; });
+    panel.root = step("above uniform", of_root != waterfall.steps.end() ? of_root->after : Interval{});
     picture.panels.push_back(std::move(panel));
   }
 }
@@ -148,23 +178,17 @@ draw::StripFigure strips_of(const draw::Profile& profile, const std::string& hea
 struct PlanePoint {
   Interval mass;
   Interval spread;
-  bool sure = true;  ///< its estimate is reliable
 };
 
-std::optional<PlanePoint> plane_point(const Figure& figure) {
-  const double uniform = figure.uniform.value;
-  if (figure.scored == 0 || !std::isfinite(uniform) || !std::isfinite(figure.mass_part.value) ||
-      !std::isfinite(figure.spread_part.value)) {
-    return std::nullopt;
-  }
-  const auto less = [](double from, const Interval& x) {
-    Interval result = x;
-    result.value = from - x.value;
-    result.lo = from - x.hi;
-    result.hi = from - x.lo;
-    return result;
-  };
-  return PlanePoint{less(uniform, figure.mass_part), less(0.0, figure.spread_part), !estimate_fails(figure)};
+/// Returns the point of a level's headline; nullopt where its interval is blank.
+std::optional<PlanePoint> plane_point(const LevelSummary& level, SampleRole role) {
+  const Headline found = headline(level, role);
+  if (!found.above.printed() || !std::isfinite(found.mass)) return std::nullopt;
+  const double mass = found.uniform - found.mass;
+  // Counting determines the mass far better than anything determines the spread: the whole interval is that of spread.
+  const Interval spread{0.5 * (found.above.lo + found.above.hi) - mass, found.above.lo - mass, found.above.hi - mass,
+                        found.runs, 0};
+  return PlanePoint{{mass, mass, mass, found.runs, 0}, spread};
 }
 
 draw::Series point_series(std::size_t level, const std::string& name, const PlanePoint& at) {
@@ -179,7 +203,7 @@ draw::Series point_series(std::size_t level, const std::string& name, const Plan
   series.x_hi = {at.mass.hi};
   // Colours repeat after the fourth level.
   const bool first = level < draw::palette::levels.size();
-  series.marker = !at.sure ? draw::Marker::ring : first ? draw::Marker::circle : draw::Marker::square;
+  series.marker = first ? draw::Marker::circle : draw::Marker::square;
   return series;
 }
 
@@ -188,12 +212,10 @@ draw::Series point_series(std::size_t level, const std::string& name, const Plan
 std::optional<draw::Figure> plane_figure(const std::string& heading, const RunsSummary& summary) {
   if (summary.levels.size() < 2) return std::nullopt;
   draw::Figure figure{.title = heading + ": mass and spread of its levels"};
-  Averaged averaged;
-  bool unsure = false;
-  std::vector<std::string> missing;
+  Headlines headlines;
   for (const auto& [role, part, falls] :
-       {std::tuple{"tree", &FigurePair::tree, &summary.tree_waterfall},
-        std::tuple{"expansion", &FigurePair::expansion, &summary.expansion_waterfall}}) {
+       {std::tuple{"tree", SampleRole::tree, &summary.tree_waterfall},
+        std::tuple{"expansion", SampleRole::expansion, &summary.expansion_waterfall}}) {
     draw::Panel panel{.title = role};
     panel.x.label = "mass (nats above uniform)";
     panel.y.label = "spread (nats above uniform)";
@@ -206,11 +228,9 @@ std::optional<draw::Figure> plane_figure(const std::string& heading, const RunsS
     std::vector<std::optional<PlanePoint>> points;
     for (std::size_t i = 0; i < summary.levels.size(); ++i) {
       const LevelSummary& level = summary.levels[i];
-      const FigurePair& pair = (level.root_cross.*part).scored > 0 ? level.root_cross : level.root;
-      points.push_back(plane_point(pair.*part));
+      points.push_back(plane_point(level, part));
+      headlines.add(level, part);
       if (!points.back()) continue;
-      averaged.add((pair.*part).mass_part);
-      unsure = unsure || !points.back()->sure;
       panel.series.push_back(point_series(i, level.name, *points.back()));
     }
     if (panel.series.size() < 3) continue;
@@ -233,9 +253,8 @@ std::optional<draw::Figure> plane_figure(const std::string& heading, const RunsS
   figure.legend = draw::Legend::above;
   figure.caption = fmt::format(
       "Levels lifted to the root's space; right: more samples lie in the target; up: they cover it more evenly. The "
-      "sum is what a level gains above uniform; {}. Arrows lead from a level to the one that it guides.{}{}",
-      averaged.text(summary.runs, "whiskers"),
-      unsure ? " Circles: too few samples in the target for a sure estimate of the spread." : "", bound_text(summary));
+      "sum is what a level gains above uniform; {}. Arrows lead from a level to the one that it guides.{}",
+      headlines.text(), bound_text(summary));
   return figure;
 }
 
@@ -248,15 +267,13 @@ StrategyFigures strategy_figures(const std::string& problem, const std::string& 
 
   draw::Waterfall waterfall;
   waterfall.title = heading + ": what each level adds above uniform";
-  const FigurePair& root = summary.levels.front().root;
-  Averaged in_waterfall;
-  for (const Waterfall* shown : {&summary.tree_waterfall, &summary.expansion_waterfall}) {
-    for (const WaterfallStep& s : shown->steps) in_waterfall.add(s.added);
+  Headlines in_waterfall;
+  for (const LevelSummary& level : summary.levels) {
+    for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) in_waterfall.add(level, role);
   }
-  waterfall.caption = fmt::format("Lifted to the root's space, against the root's own path; {}.{}",
-                                  in_waterfall.text(summary.runs, "whiskers"), bound_text(summary));
-  add_panels(summary, summary.tree_waterfall, root.tree, "tree", waterfall);
-  add_panels(summary, summary.expansion_waterfall, root.expansion, "expansion", waterfall);
+  waterfall.caption = fmt::format("Lifted to the root's space: {}.{}", in_waterfall.text(), bound_text(summary));
+  add_panels(summary, summary.tree_waterfall, "tree", waterfall);
+  add_panels(summary, summary.expansion_waterfall, "expansion", waterfall);
   std::erase_if(waterfall.panels, [](const draw::WaterfallPanel& panel) { return !has_bars(panel); });
   if (!waterfall.panels.empty()) figures.waterfall = draw::waterfall(waterfall);
 
@@ -282,8 +299,7 @@ StrategyFigures strategy_figures(const std::string& problem, const std::string& 
 
 std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const std::vector<NamedSummary>& strategies) {
   draw::Waterfall all;
-  Averaged averaged;
-  std::size_t most_runs = 0;
+  Headlines headlines;
   std::size_t shown = 0;
   double perfect = 0.0;
   std::string bounds;
@@ -292,10 +308,10 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
     if (bounds.empty()) bounds = bound_text(*of);
     const LevelSummary& root = of->levels.front();
     draw::Waterfall own;
-    add_panels(*of, of->tree_waterfall, root.root.tree, "tree", own);
-    add_panels(*of, of->expansion_waterfall, root.root.expansion, "expansion", own);
-    for (const Waterfall* waterfall : {&of->tree_waterfall, &of->expansion_waterfall}) {
-      for (const WaterfallStep& s : waterfall->steps) averaged.add(s.added);
+    add_panels(*of, of->tree_waterfall, "tree", own);
+    add_panels(*of, of->expansion_waterfall, "expansion", own);
+    for (const LevelSummary& level : of->levels) {
+      for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) headlines.add(level, role);
     }
     const std::size_t before = all.panels.size();
     for (draw::WaterfallPanel& panel : own.panels) {
@@ -306,18 +322,17 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
     }
     if (all.panels.size() == before) continue;
     ++shown;
-    most_runs = std::max(most_runs, of->runs);
-    for (const Figure* figure : {&root.root.tree, &root.root.expansion}) {
-      const double top = figure->uniform.value - figure->perfect.value;
-      if (std::isfinite(top)) perfect = std::max(perfect, top);
+    for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) {
+      const Headline top = headline(root, role);
+      if (std::isfinite(top.uniform - top.perfect)) perfect = std::max(perfect, top.uniform - top.perfect);
     }
   }
   if (shown < 2) return std::nullopt;
   all.title = fmt::format("{}: what each level adds above uniform, on one scale", problem);
   all.caption = fmt::format(
-      "Lifted to the root's space, against the root's own path; {}. The scale ends above "
+      "Lifted to the root's space: {}. The scale ends above "
       "perfect guidance, and as far below uniform sampling: what is beyond has an arrow.{}",
-      averaged.text(most_runs, "whiskers"), bounds);
+      headlines.text(), bounds);
   draw::Figure figure = draw::waterfall(all);
   figure.columns = 4;
   figure.width = 700.0;
@@ -354,7 +369,7 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
   }
   in_parallel(tasks.size(), jobs, [&](std::size_t i) {
     FigureJob& task = tasks[i];
-    task.summary = summarise(select_runs(result, task.problem, task.strategy));
+    task.summary = summarise(result, task.problem, task.strategy);
     const StrategyFigures figures = strategy_figures(task.problem, task.strategy, task.summary);
     if (!figures.waterfall && !figures.profile && !figures.plane) return;
     make_directory(task.place.string());

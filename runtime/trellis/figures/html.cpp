@@ -98,8 +98,35 @@ class Marks {
   std::map<char, std::string> meanings_;
 };
 
+/// Returns "+0.42…+1.20" with the scale as a tooltip; blank where the samples do not support an interval.
+std::string above_html(const AboveUniform& above) {
+  if (std::isnan(above.lo)) return "-";
+  if (!above.blank.empty()) return fmt::format(R"(<span class="muted" title="{}">blank</span>)", escaped(above.blank));
+  if (!std::isfinite(above.lo)) return "-";
+  const std::string text = ends_text(above.lo, above.hi);
+  if (!std::isfinite(above.scale_lo)) return text;
+  return fmt::format(R"(<span title="{} on the scale from perfect guidance, 0, to uniform sampling, 1{}">{}</span>)",
+                     ends_text(above.scale_lo, above.scale_hi, false), above.exact ? "; by recorded densities" : "",
+                     text);
+}
+
 std::string figure_cell(const Figure& figure, Marks& marks) {
-  return fmt::format(R"(<td class="figure">{}{}</td>)", interval_html(figure.gain, 2, true), marks.of(figure));
+  return fmt::format(R"(<td class="figure">{}{}</td>)", above_html(above_uniform(figure)), marks.of(figure));
+}
+
+/// The figure of all seeds together, and where it is on the scale.
+std::string headline_cells(const LevelSummary& level, SampleRole role) {
+  const Headline found = headline(level, role);
+  const AboveUniform single = over_runs(level, role).above;
+  std::string mark;
+  if (found.seeds > 0 && disagree(found.above, single)) {
+    mark = fmt::format(R"(<abbr title="single runs: {}">≠</abbr>)", ends_text(single.lo, single.hi));
+  }
+  const std::string scale = found.above.printed() && std::isfinite(found.above.scale_lo)
+                                ? ends_text(found.above.scale_lo, found.above.scale_hi, false)
+                                : "";
+  const std::string nats = found.seeds > 0 || found.runs > 0 ? above_html(found.above) : "-";
+  return fmt::format(R"(<td class="figure">{}{}</td><td class="figure">{}</td>)", nats, mark, scale);
 }
 
 std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
@@ -141,6 +168,7 @@ const LevelSummary& root_of(const RunsSummary& summary) {
 /// The optional columns of the table of strategies.
 struct SummaryColumns {
   bool measured = false;
+  bool pooled = false;   ///< scored all seeds together
   bool crossed = false;  ///< scored on other seeds' paths
   bool anytime = false;  ///< some planner continues after its first path
   bool set_up = false;   ///< the set-up of guides is a considerable part of some cost
@@ -148,15 +176,17 @@ struct SummaryColumns {
 
 std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes,
                         const SummaryColumns& columns, Marks& marks) {
-  const auto& [measured, crossed, anytime, set_up] = columns;
+  const auto& [measured, pooled, crossed, anytime, set_up] = columns;
   std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
                                 head, s.solved, s.runs, wilson_text(s.success));
   if (measured) {
     const LevelSummary& root = root_of(s);
     const FigurePair& own = root.root;
     const FigurePair& cross = root.root_cross;
+    out += headline_cells(root, SampleRole::tree);
     out += figure_cell(own.tree, marks);
     if (crossed) out += figure_cell(cross.tree, marks);
+    out += headline_cells(root, SampleRole::expansion);
     out += figure_cell(own.expansion, marks);
     if (crossed) out += figure_cell(cross.expansion, marks);
   }
@@ -178,20 +208,52 @@ std::string swatch(const CostData& data, const std::string& strategy) {
                      byte(colour.g), byte(colour.b));
 }
 
+/// Explains the columns of nats, and says where all seeds together and single runs disagree.
+std::string nats_notes(const HtmlContent& content, bool pooled) {
+  std::string out = fmt::format(
+      "<p class=\"muted\">a…b: the interval that the samples support, with 95 %; blank: too few samples to tell on "
+      "which "
+      "side of uniform sampling they are; scale: 0 perfect guidance, 1 uniform sampling{}</p>\n",
+      pooled ? "; all seeds: their samples together, on the paths of a seed left out" : "");
+  std::string items;
+  for (std::size_t p = 0; p < content.problems.size(); ++p) {
+    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
+      for (const LevelSummary& level : content.cells[p][s].summary.levels) {
+        for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) {
+          const Headline together = headline(level, role);
+          const AboveUniform single = over_runs(level, role).above;
+          if (together.seeds == 0 || !disagree(together.above, single)) continue;
+          items += fmt::format("<li>{}, {}, {}, {}: all seeds {}, single runs {}</li>\n", escaped(content.problems[p]),
+                               escaped(content.strategies[s].name), escaped(level.name),
+                               role == SampleRole::tree ? "tree" : "expansion",
+                               ends_text(together.above.lo, together.above.hi), ends_text(single.lo, single.hi));
+        }
+      }
+    }
+  }
+  if (items.empty()) return out;
+  return out +
+         "<details class=\"muted\"><summary>≠: where single runs have other nats than all seeds together"
+         "</summary>\n<ul>\n" +
+         items + "</ul>\n</details>\n";
+}
+
 std::string summary_table(const HtmlContent& content) {
   SummaryColumns shown;
   shown.measured = content.measured;
   for (const auto& of_problem : content.cells) {
     for (const HtmlCell& one : of_problem) {
-      shown.crossed = shown.crossed || root_of(one.summary).root_cross.tree.scored > 0;
+      const LevelSummary& root = root_of(one.summary);
+      shown.pooled = shown.pooled || headline(root, SampleRole::tree).seeds > 0;
+      shown.crossed = shown.crossed || root.root_cross.tree.scored > 0;
       shown.anytime = shown.anytime || !std::isnan(one.summary.improvement_checks);
       shown.set_up = shown.set_up || one.summary.set_up_share > least_set_up_share;
     }
   }
   std::vector<Columns> columns = {{"", {"solved"}}};
   if (content.measured) {
-    const std::vector<std::string> paths =
-        shown.crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
+    std::vector<std::string> paths = {shown.pooled ? "all seeds" : "headline", "scale", "own path"};
+    if (shown.crossed) paths.emplace_back("other seeds’");
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
   }
@@ -229,8 +291,9 @@ std::string summary_table(const HtmlContent& content) {
     }
   }
   const bool tall = content.problems.size() * content.strategies.size() > 24;
-  return fmt::format("<div class=\"scroll{}\"><table id=\"summary\">\n{}<tbody>\n{}</tbody></table></div>\n{}",
-                     tall ? " tall" : "", heading("method", columns), body, marks.text());
+  return fmt::format("<div class=\"scroll{}\"><table id=\"summary\">\n{}<tbody>\n{}</tbody></table></div>\n{}{}",
+                     tall ? " tall" : "", heading("method", columns), body,
+                     content.measured ? nats_notes(content, shown.pooled) : "", marks.text());
 }
 
 /// Returns the warnings of the printed report: guides that perform worse than no guide, and why runs found no path.
@@ -256,15 +319,19 @@ std::string level_table(const HtmlCell& of, bool measured) {
   const RunsSummary& summary = of.summary;
   const std::vector<Verdict>& found = of.verdicts;
   bool crossed = false;
-  for (const auto& level : summary.levels) crossed = crossed || level.root_cross.tree.scored > 0;
+  bool pooled = false;
+  for (const auto& level : summary.levels) {
+    crossed = crossed || level.root_cross.tree.scored > 0;
+    pooled = pooled || headline(level, SampleRole::tree).seeds > 0;
+  }
   std::vector<Columns> columns = {{"", {"space", "planner", "solved"}},
                                   {"medians", {"re-solves", "proposals", "nodes", "checks", "time, ms"}}};
   const bool guided =
       std::any_of(summary.levels.begin(), summary.levels.end(), [](const LevelSummary& l) { return l.guided; });
   if (guided) columns.push_back({"checks by, medians", {"guided proposals", "unguided proposals", "levels below"}});
   if (measured) {
-    const std::vector<std::string> paths = crossed ? std::vector<std::string>{"own space", "lifted", "other seeds’"}
-                                                   : std::vector<std::string>{"own space", "lifted"};
+    std::vector<std::string> paths = {pooled ? "all seeds" : "headline", "scale", "own space", "lifted"};
+    if (crossed) paths.emplace_back("other seeds’");
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
   }
@@ -295,6 +362,7 @@ std::string level_table(const HtmlCell& of, bool measured) {
     }
     if (measured) {
       for (const auto role : {&FigurePair::tree, &FigurePair::expansion}) {
+        body += headline_cells(level, role == &FigurePair::tree ? SampleRole::tree : SampleRole::expansion);
         body += figure_cell(level.own.*role, marks) + figure_cell(level.root.*role, marks);
         if (crossed) body += figure_cell(level.root_cross.*role, marks);
       }
@@ -569,7 +637,7 @@ HtmlContent content_of(const Experiment& experiment, const ExperimentResult& res
   const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
   for (const auto& [name, spec] : experiment.strategies) {
     content.strategies.push_back({name, spec.text(), is_ablation(experiment, name)});
-    if (experiment.problems.size() > 1) content.together.push_back(summarise(select_runs(result, "", name)));
+    if (experiment.problems.size() > 1) content.together.push_back(summarise(result, "", name));
   }
   for (const Problem& problem : experiment.problems) {
     content.problems.push_back(problem.name);
@@ -577,7 +645,7 @@ HtmlContent content_of(const Experiment& experiment, const ExperimentResult& res
     std::vector<HtmlCell> row;
     for (const auto& [name, spec] : experiment.strategies) {
       const auto runs = select_runs(result, problem.name, name);
-      HtmlCell cell{summarise(runs), {}, {}, {}};
+      HtmlCell cell{summarise(result, problem.name, name), {}, {}, {}};
       cell.verdicts = level_verdicts(found, problem.name, name, cell.summary);
       cell.parts = part_verdicts(found, problem.name, name, cell.summary);
       for (const RunResult* run : runs) {

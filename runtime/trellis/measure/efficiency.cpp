@@ -238,7 +238,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
     if (result.estimator.starts_with("exact")) {
       result.value_lo = result.value_hi = result.value;
     } else {
-      const measure::Supported supported = measure::supported_interval(evaluation);
+      const measure::Supported supported = measure::supported_interval(evaluation, scoring.rough_interval);
       result.value_lo = supported.lo;
       result.value_hi = supported.hi;
     }
@@ -337,6 +337,11 @@ std::string blank_reason(double lo, double hi, double uniform) {
   if (std::isnan(lo) || std::isnan(hi)) return "no interval";
   if (hi < uniform || lo > uniform || hi - lo <= most_width) return "";
   return "too few samples to tell on which side of uniform sampling they are";
+}
+
+double on_scale(double value, double perfect, double uniform) {
+  if (covers_space(uniform)) return std::numeric_limits<double>::quiet_NaN();
+  return (value - perfect) / (uniform - perfect);
 }
 
 bool covers_space(double uniform) { return uniform < least_scale; }

@@ -6,12 +6,14 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/special_functions/digamma.hpp>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <span>
 #include <vector>
 
 #include <trellis/base/polling.hpp>
 #include <trellis/base/random.hpp>
+#include <trellis/measure/target_feature.hpp>
 
 namespace trellis::measure {
 
@@ -20,20 +22,15 @@ namespace {
 constexpr double mass_error = 0.005;       // of the lower end, by the mass in the target
 constexpr double parts_error = 0.02;       // of the lower end, by the parts of the target: all features together
 constexpr double upper_error = 0.0125;     // of the upper end, by the mass in the target
-constexpr std::size_t most_points = 1024;  // of the target
-constexpr std::size_t most_tested = 600;   // samples
 constexpr std::size_t most_cells = 16;     // of a feature
 constexpr std::size_t each_cell = 8;       // samples, at least
 constexpr std::size_t least_half = 4;      // samples that choose the parts
 constexpr std::size_t least_tested = 8;    // samples
-constexpr std::size_t anchors = 4;         // points of the target, for distances to them
 constexpr std::size_t least_k = 4;         // neighbours of the least smooth density
 constexpr std::size_t smoother = 5;        // the ratio of the numbers of neighbours
 constexpr std::size_t pool_expected = 40;  // points of the target in a ball
 constexpr double contradicted = 8.0;       // the largest statistic that does not contradict a density
 constexpr double atoms_each_pair = 40.0;   // samples of atoms that occurred once, for each that occurred twice
-constexpr double unseen = 16.0;            // samples that a part of the target may lack unseen
-constexpr double unseen_smoothed = 40.0;   // the same where the density is smoothed
 
 using Binomial = boost::math::binomial_distribution<>;
 
@@ -48,21 +45,36 @@ double smallest_share(std::size_t total, std::size_t count, double error) {
   return Binomial::find_lower_bound_on_p(static_cast<double>(total), static_cast<double>(count), error);
 }
 
+/// The points of the target and the samples that the interval uses.
+struct Effort {
+  std::size_t points;
+  std::size_t tested;      ///< samples whose goodness of fit is tested
+  std::size_t counted;     ///< samples that are counted in parts of the target
+  double unseen;           ///< samples that a part of the target may lack unseen
+  double unseen_smoothed;  ///< the same where the density is smoothed
+};
+constexpr Effort fine = {TargetFeature::most_points, 2400, 10000, 16.0, 40.0};
+constexpr Effort rough = {512, 300, 1000, 24.0, 48.0};
+
 /// The values of a function of configurations at points of the target and at the samples in it.
 struct Feature {
-  std::vector<double> target;
+  std::vector<double> own;  ///< values that no other set of samples has; empty: `target` is the target's
+  std::span<const double> target;
+  std::vector<std::uint32_t> order;  ///< the points by ascending value
   std::vector<double> samples;
 };
 
 class Supporter {
  public:
-  explicit Supporter(const Evaluation& evaluation)
+  Supporter(const Evaluation& evaluation, const Effort& effort)
       : evaluation_(evaluation),
         target_(evaluation.target),
+        effort_(effort),
         d_(evaluation.frame().dimension()),
-        points_(std::min(most_points, target_.pool().size())),
+        points_(std::min(effort.points, target_.pool().size())),
         total_(evaluation.samples.total()),
         once_(evaluation.in_target.inside.size() / d_),
+        used_(std::min(once_, effort.counted)),
         mixed_(defence * std::exp(-target_.uniform())),
         order_(once_) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
@@ -89,29 +101,29 @@ class Supporter {
 
   template <class Value>
   void add(Value value) {
+    const TargetFeature& of_target = target_.features()[features_.size()];
     Feature feature;
-    for (std::size_t i = 0; i < points_; ++i) feature.target.push_back(value(point(i)));
-    for (std::size_t i = 0; i < once_; ++i) feature.samples.push_back(value(sample(i)));
+    feature.target = std::span(of_target.values).first(points_);
+    feature.order.reserve(points_);
+    std::copy_if(of_target.order.begin(), of_target.order.end(), std::back_inserter(feature.order),
+                 [&](std::uint32_t i) { return i < points_; });
+    feature.samples.reserve(used_);
+    for (std::size_t i = 0; i < used_; ++i) {
+      poll();
+      feature.samples.push_back(value(i));
+    }
     features_.push_back(std::move(feature));
   }
 
-  /// Adds what both ends look at: arc length, distance from the path, and the axes of a flat space.
+  /// Adds what both ends look at: arc length, distance from the path, and the axes of a flat space, as
+  /// Target::features() has them.
   void add_features() {
-    const Frame& frame = evaluation_.frame();
     if (target_.has_path()) {
-      Feature along;
-      for (std::size_t i = 0; i < points_; ++i) along.target.push_back(target_.along(target_.pool()[i]));
-      for (std::size_t i = 0; i < once_; ++i) along.samples.push_back(evaluation_.in_target.arcs[order_[i]]);
-      features_.push_back(std::move(along));
-      std::vector<double> x(d_);
-      add([&](View y) {
-        poll();
-        frame.to_raw(y, x);
-        return target_.distance(x);
-      });
+      add([&](std::size_t i) { return evaluation_.in_target.arcs[order_[i]]; });
+      add([&](std::size_t i) { return target_.distance_at_row(sample(i)); });
     }
-    if (frame.flat()) {
-      for (std::size_t j = 0; j < d_; ++j) add([j](View y) { return y[j]; });
+    if (evaluation_.frame().flat()) {
+      for (std::size_t j = 0; j < d_; ++j) add([&](std::size_t i) { return sample(i)[j]; });
     }
   }
 
@@ -133,34 +145,41 @@ class Supporter {
     return squared;
   }
 
+  /// Distances to the samples first .. last - 1, of the points of the target and of the samples from .. to - 1.
+  [[nodiscard]] Feature distances(std::size_t first, std::size_t last, std::size_t from, std::size_t to) const {
+    const PointTree tree = tree_of(first, last);
+    Feature feature;
+    for (std::size_t i = 0; i < points_; ++i) feature.own.push_back(nearest(tree, point(i)));
+    feature.target = feature.own;
+    feature.order.resize(points_);
+    std::iota(feature.order.begin(), feature.order.end(), std::uint32_t{0});
+    std::sort(feature.order.begin(), feature.order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return feature.own[a] != feature.own[b] ? feature.own[a] < feature.own[b] : a < b;
+    });
+    for (std::size_t i = from; i < to; ++i) feature.samples.push_back(nearest(tree, sample(i)));
+    return feature;
+  }
+
   // The lower end -----------------------------------------------------------------------------------------------------
 
   [[nodiscard]] double lowest() const {
     const std::size_t count = evaluation_.in_target.count;
     const double most = largest_share(total_, count, mass_error);
     double lo = loss(most);
-    const std::size_t half = once_ / 2;
+    const std::size_t half = used_ / 2;
     if (half < least_half) return lo;
     const double error = parts_error / static_cast<double>(features_.size() + 1);
     // Samples that occur more than once have no density: they count in the mass, and in no part.
     for (const Feature& feature : features_) lo = std::max(lo, by_cells(feature, half, most, error));
-    const PointTree tree = tree_of(0, half);
-    Feature distance;
-    for (std::size_t i = 0; i < points_; ++i) distance.target.push_back(nearest(tree, point(i)));
-    for (std::size_t i = 0; i < once_; ++i) {
-      distance.samples.push_back(i < half ? 0.0 : nearest(tree, sample(i)));
-    }
-    return std::max(lo, by_distance(distance, half, most, error));
+    return std::max(lo, by_distance(distances(0, half, half, used_), most, error));
   }
 
   /// Cells of equal shares of T by one feature, the emptiest among the first half of the samples first.
   [[nodiscard]] double by_cells(const Feature& feature, std::size_t half, double most, double error) const {
     const std::size_t cells = std::min(most_cells, half / each_cell + 1);
     if (cells < 2) return 0.0;
-    std::vector<double> sorted = feature.target;
-    std::sort(sorted.begin(), sorted.end());
     std::vector<double> limits;
-    for (std::size_t j = 1; j < cells; ++j) limits.push_back(sorted[j * points_ / cells]);
+    for (std::size_t j = 1; j < cells; ++j) limits.push_back(feature.target[feature.order[j * points_ / cells]]);
     const auto cell = [&](double value) {
       return static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), value) - limits.begin());
     };
@@ -168,7 +187,7 @@ class Supporter {
     std::vector<std::size_t> chosen(cells, 0);
     std::vector<std::size_t> counted(cells, 0);
     for (const double value : feature.target) share[cell(value)] += 1.0 / static_cast<double>(points_);
-    for (std::size_t i = 0; i < once_; ++i) ++(i < half ? chosen : counted)[cell(feature.samples[i])];
+    for (std::size_t i = 0; i < used_; ++i) ++(i < half ? chosen : counted)[cell(feature.samples[i])];
     std::vector<std::size_t> by(cells);
     std::iota(by.begin(), by.end(), std::size_t{0});
     std::stable_sort(by.begin(), by.end(), [&](std::size_t a, std::size_t b) { return chosen[a] < chosen[b]; });
@@ -182,13 +201,11 @@ class Supporter {
   }
 
   /// Parts by distance to the first half of the samples, the farthest first.
-  [[nodiscard]] double by_distance(const Feature& feature, std::size_t half, double most, double error) const {
+  [[nodiscard]] double by_distance(const Feature& feature, double most, double error) const {
     constexpr std::array<double, 5> shares_within = {0.75, 0.5, 0.25, 0.125, 0.0625};
-    std::vector<double> sorted = feature.target;
-    std::sort(sorted.begin(), sorted.end());
     std::vector<double> limits;  // descending
     for (const double within : shares_within) {
-      limits.push_back(sorted[static_cast<std::size_t>(within * static_cast<double>(points_))]);
+      limits.push_back(feature.target[feature.order[static_cast<std::size_t>(within * static_cast<double>(points_))]]);
     }
     const auto cell = [&](double value) {
       std::size_t j = 0;
@@ -198,7 +215,7 @@ class Supporter {
     std::vector<double> shares(limits.size() + 1, 0.0);
     std::vector<std::size_t> counts(limits.size() + 1, 0);
     for (const double value : feature.target) shares[cell(value)] += 1.0 / static_cast<double>(points_);
-    for (std::size_t i = half; i < once_; ++i) ++counts[cell(feature.samples[i])];
+    for (const double value : feature.samples) ++counts[cell(value)];
     return by_tails(shares, counts, most, error);
   }
 
@@ -245,57 +262,88 @@ class Supporter {
     hidden_atoms_ = atoms_each_pair * static_cast<double>(std::count(copies.begin(), copies.end(), std::size_t{2}));
     const bool atoms = hidden_atoms_ >= static_cast<double>(once_);
     if (once_ < least_tested || atoms || !evaluation_.unreachable.empty()) return largest();
-    const std::size_t tested = std::min(once_, most_tested);
+    const std::size_t tested = std::min(used_, effort_.tested);
     const std::size_t half = tested / 2;
-    std::vector<Feature> all = features_;
-    for (std::size_t a = 0; a < std::min(anchors, points_); ++a) {
-      const PointTree anchor(evaluation_.frame(), point(points_ - 1 - a));
-      all.push_back(distances(anchor, 0, tested));
+    const std::size_t looked_at = features_.size();
+    for (std::size_t a = looked_at; a < target_.features().size(); ++a) {
+      const PointTree anchor(evaluation_.frame(), point(target_.pool().size() - 1 - (a - looked_at)));
+      add([&](std::size_t i) { return nearest(anchor, sample(i)); });
     }
-    all.push_back(distances(tree_of(0, half), half, tested));
-    all.push_back(distances(tree_of(half, tested), 0, half));
-    std::vector<std::vector<std::size_t>> order;
+    std::vector<Feature> all(features_.begin(), features_.end());
+    features_.resize(looked_at);
+    all.push_back(distances(0, half, half, tested));
+    all.push_back(distances(half, tested, 0, half));
     for (Feature& feature : all) {
+      if (!feature.own.empty()) feature.target = feature.own;
       feature.samples.resize(std::min(feature.samples.size(), tested));
       std::sort(feature.samples.begin(), feature.samples.end());
-      auto& by = order.emplace_back(points_);
-      std::iota(by.begin(), by.end(), std::size_t{0});
-      std::sort(by.begin(), by.end(),
-                [&](std::size_t a, std::size_t b) { return feature.target[a] < feature.target[b]; });
     }
-    const PointTree tree = tree_of(0, tested);
+    Neighbours neighbours(*this, tested);
     std::vector<double> log_density(points_, 0.0);
     for (std::size_t k = tested; k >= least_k; k /= smoother) {
-      if (k < tested) smooth(tree, k, log_density);
+      if (k < tested) smooth(neighbours, k, log_density);
       const Density density(log_density);
       const bool fits = [&] {
-        for (std::size_t f = 0; f < all.size(); ++f) {
+        return std::all_of(all.begin(), all.end(), [&](const Feature& feature) {
           poll();
-          if (density.misfit(all[f].samples, all[f].target, order[f]) > contradicted) return false;
-        }
-        return true;
+          return density.misfit(feature) <= contradicted;
+        });
       }();
-      if (fits) return divergence(log_density, density, tested, k == tested ? unseen : unseen_smoothed);
+      if (fits) return divergence(log_density, density, tested, k == tested ? effort_.unseen : effort_.unseen_smoothed);
     }
     return largest();
   }
 
-  [[nodiscard]] Feature distances(const PointTree& tree, std::size_t first, std::size_t last) const {
-    Feature feature;
-    for (std::size_t i = 0; i < points_; ++i) feature.target.push_back(nearest(tree, point(i)));
-    for (std::size_t i = first; i < last; ++i) feature.samples.push_back(nearest(tree, sample(i)));
-    return feature;
-  }
+  /// Returns the squared distance of the k-th nearest of the first samples.
+  class Neighbours {
+   public:
+    Neighbours(const Supporter& of, std::size_t count) : frame_(of.evaluation_.frame()), tree_(of.tree_of(0, count)) {
+      if (!frame_.flat()) return;
+      columns_.resize(of.d_ * count);
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < of.d_; ++j) columns_[j * count + i] = of.sample(i)[j];
+      }
+      squared_.resize(count);
+    }
+    [[nodiscard]] std::size_t size() const { return tree_.size(); }
+    [[nodiscard]] double kth(View y, std::size_t k) {
+      constexpr std::size_t many = 16;  // a tree keeps its nearest points sorted, which takes long for many
+      if (k <= many || columns_.empty()) {
+        found_.resize(k);
+        tree_.nearest(y, found_);
+        return found_.back();
+      }
+      std::fill(squared_.begin(), squared_.end(), 0.0);
+      for (std::size_t j = 0; j < y.size(); ++j) {
+        const double* column = &columns_[j * squared_.size()];
+        const double period = frame_.period(j);
+        for (std::size_t i = 0; i < squared_.size(); ++i) {
+          const double u = std::abs(column[i] - y[j]);
+          const double short_way = std::min(u, period - u);
+          squared_[i] += short_way * short_way;
+        }
+      }
+      const auto at = squared_.begin() + static_cast<std::ptrdiff_t>(k - 1);
+      std::nth_element(squared_.begin(), at, squared_.end());
+      return *at;
+    }
+
+   private:
+    const Frame& frame_;
+    PointTree tree_;
+    std::vector<double> columns_;  // of a flat space: the first coordinates, then the second ones, ...
+    std::vector<double> squared_, found_;
+  };
 
   /// The density relative to T at the first points of the target, by the k nearest samples.
-  void smooth(const PointTree& tree, std::size_t k, std::vector<double>& log_density) const {
-    const double log_share = boost::math::digamma(static_cast<double>(k)) - std::log(static_cast<double>(tree.size()));
-    const PointTree& pool = target_.pool_tree(pool_expected * tree.size() / k);
-    std::vector<double> squared(k);
+  void smooth(Neighbours& samples, std::size_t k, std::vector<double>& log_density) const {
+    const auto count = static_cast<double>(samples.size());
+    const double log_share = boost::math::digamma(static_cast<double>(k)) - std::log(count);
+    const PointTree& pool = target_.pool_tree(pool_expected * samples.size() / k);
     for (std::size_t i = 0; i < log_density.size(); ++i) {
       poll();
-      tree.nearest(point(i), squared);
-      const auto inside = static_cast<double>(std::max<std::size_t>(pool.count_within(point(i), squared.back()), 1));
+      const std::size_t within = pool.count_within(point(i), samples.kth(point(i), k));
+      const auto inside = static_cast<double>(std::max<std::size_t>(within, 1));
       log_density[i] = log_share - std::log(inside / static_cast<double>(pool.size()));
     }
   }
@@ -323,8 +371,8 @@ class Supporter {
     /// The largest of three statistics of the values, each on the scale of a log-likelihood ratio: that of Berk and
     /// Jones (the largest n KL(share of the samples, share of the density) below any value), the largest gap between
     /// samples, and Pearson's in 4, 8, 16 and 32 cells of equal shares.
-    [[nodiscard]] double misfit(const std::vector<double>& samples, const std::vector<double>& target,
-                                const std::vector<std::size_t>& order) const {
+    [[nodiscard]] double misfit(const Feature& feature) const {
+      const auto& [own, target, order, samples] = feature;
       const auto count = static_cast<double>(samples.size());
       if (samples.empty()) return 0.0;
       const double n = compared(count);
@@ -417,18 +465,22 @@ class Supporter {
 
   const Evaluation& evaluation_;
   const Target& target_;
+  const Effort& effort_;
   std::size_t d_;
   std::size_t points_;
   std::size_t total_;
   std::size_t once_;  ///< samples in the target that occur once
+  std::size_t used_;  ///< the first of these, in the random order, that are looked at
   double hidden_atoms_ = 0.0;
-  double mixed_;      ///< the density of the uniform samples of the mixture, relative to T
+  double mixed_;  ///< the density of the uniform samples of the mixture, relative to T
   std::vector<std::size_t> order_;
   std::vector<Feature> features_;
 };
 
 }  // namespace
 
-Supported supported_interval(const Evaluation& evaluation) { return Supporter(evaluation).interval(); }
+Supported supported_interval(const Evaluation& evaluation, bool in_less_time) {
+  return Supporter(evaluation, in_less_time ? rough : fine).interval();
+}
 
 }  // namespace trellis::measure

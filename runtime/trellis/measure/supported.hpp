@@ -23,6 +23,7 @@ struct Supported {
 /// distance to the other half of the samples, which a density that leaves gaps does not pass. Its divergence then
 /// assumes in addition that as large a part of the density is missing as the tests cannot see. Where the samples
 /// contradict every density, the end is the largest value that D_eps has for any Q.
-Supported supported_interval(const Evaluation& evaluation);
+/// \param rough  whether to use fewer samples and points of the target, for a wider interval in less time
+Supported supported_interval(const Evaluation& evaluation, bool rough = false);
 
 }  // namespace trellis::measure

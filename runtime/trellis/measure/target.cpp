@@ -17,6 +17,7 @@
 #include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 #include <trellis/measure/point_tree.hpp>
+#include <trellis/measure/target_feature.hpp>
 #include <trellis/measure/tube.hpp>
 
 namespace trellis {
@@ -159,6 +160,8 @@ struct Target::PoolTrees {
   static constexpr std::size_t least = 1024;
   std::array<std::once_flag, 32> built;
   std::array<std::unique_ptr<const measure::PointTree>, 32> trees;
+  std::once_flag features_made;
+  std::vector<measure::TargetFeature> features;
 };
 
 Target::Target(const Space& space, const TargetSettings& settings) : space_(space), settings_(settings) {}
@@ -340,6 +343,48 @@ const measure::PointTree& Target::pool_tree(std::size_t points) const {
   return *pool_trees_->trees[i];
 }
 
+const std::vector<measure::TargetFeature>& Target::features() const {
+  using measure::TargetFeature;
+  std::call_once(pool_trees_->features_made, [&] {
+    const measure::Frame frame(space_);
+    const std::size_t d = space_.dimension();
+    const std::size_t count = std::min(TargetFeature::most_points, pool_.size());
+    std::vector<TargetFeature> made;
+    const auto row = [&](std::size_t i) { return View(pool_rows_).subspan(i * d, d); };
+    const auto add = [&](const auto& value) {
+      TargetFeature feature;
+      feature.values.reserve(count);
+      for (std::size_t i = 0; i < count; ++i) {
+        poll();
+        feature.values.push_back(value(row(i)));
+      }
+      feature.order.resize(count);
+      std::iota(feature.order.begin(), feature.order.end(), std::uint32_t{0});
+      std::sort(feature.order.begin(), feature.order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return feature.values[a] != feature.values[b] ? feature.values[a] < feature.values[b] : a < b;
+      });
+      made.push_back(std::move(feature));
+    };
+    if (tube_) {
+      add([&](View y) { return tube_->along(y); });
+      add([&](View y) { return tube_->distance(y); });
+    }
+    if (frame.flat()) {
+      for (std::size_t j = 0; j < d; ++j) add([j](View y) { return y[j]; });
+    }
+    for (std::size_t a = 0; a < std::min(TargetFeature::anchors, count); ++a) {
+      const measure::PointTree anchor(frame, row(pool_.size() - 1 - a));
+      add([&](View y) {
+        double squared = 0.0;
+        anchor.nearest(y, {&squared, 1});
+        return squared;
+      });
+    }
+    pool_trees_->features = std::move(made);
+  });
+  return pool_trees_->features;
+}
+
 bool Target::contains(View x) const {
   if (!space_.contains(x)) return false;
   if (!tube_) return contains_(x);
@@ -384,6 +429,8 @@ double Target::distance(View x) const {
   tube_->frame().to_metric(x, y);
   return tube_->distance(y);
 }
+
+double Target::distance_at_row(View y) const { return tube_->distance(y); }
 
 double Target::length() const { return tube_->length(); }
 

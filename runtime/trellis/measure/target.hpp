@@ -16,6 +16,7 @@ namespace trellis {
 
 namespace measure {
 class PointTree;
+struct TargetFeature;
 class Tube;
 }  // namespace measure
 
@@ -126,6 +127,8 @@ class Target {
   /// Returns the distance from x to P in the target's metric (planar or full). P is simplified: waypoints within delta
   /// / 1000 of the line that replaces them are omitted.
   [[nodiscard]] double distance(View x) const;
+  /// Returns the same at a row, as those of `pool_rows`.
+  [[nodiscard]] double distance_at_row(View y) const;
   /// Returns the length of P in the target's metric, and the arc length at the point of P nearest to x.
   [[nodiscard]] double length() const;
   [[nodiscard]] double along(View x) const;
@@ -146,6 +149,10 @@ class Target {
   /// Returns a tree, for counting points in balls, of about the first `points` points of the pool: 2/3 to 4/3 of them,
   /// at least 1024; the whole pool if that is at most twice as many. The target builds each tree once. Thread-safe.
   [[nodiscard]] const measure::PointTree& pool_tree(std::size_t points) const;
+  /// Returns functions of the configurations at the first points of the pool: of a tube, arc length and distance from
+  /// the path; in a flat space, each axis; then the squared distances to the last points of the pool. The target
+  /// computes them once. Thread-safe.
+  [[nodiscard]] const std::vector<measure::TargetFeature>& features() const;
   /// Returns the probability that one uniform sample falls within delta of an evaluation point, and the logs of the
   /// probabilities that it does not, nor within delta / 2.
   [[nodiscard]] double hit(std::size_t i) const { return hits_[i]; }

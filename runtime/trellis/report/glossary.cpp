@@ -47,7 +47,7 @@ const std::vector<ReportTerm>& report_terms() {
        "sampling they are"},
       {"proposals, nodes",
        "nats above uniform of what the level's guide and planner propose, lifted to the root, and of the nodes of its "
-       "tree. Proposals whose densities are known in closed form are exact: no estimation, whatever their number"},
+       "tree: of all seeds together where there are five or more. Proposals whose densities are known in closed form are exact: no estimation, whatever their number"},
       {"along", "the part of the spread along the path: the divergence of arc length"},
       {"across", "the part of the spread across the path"},
       {"verdict",
@@ -94,7 +94,15 @@ const std::vector<ReportTerm>& report_terms() {
       {"JS", "Jensen-Shannon divergence, nats, at most 0.69"},
       {"own path", "scored on the path of the same run"},
       {"other seeds", "scored on paths that other seeds found, which no run can fit its samples to"},
-      {"pooled", "samples of all seeds but one, scored together on that one's path"},
+      {"all seeds together",
+       "samples of all seeds but one, scored together on that one's path: with five seeds or more the first figure of a "
+       "report, because it is what published figures average and because more samples show how thin they are"},
+      {"single runs differ",
+       "the interval over the runs and that of all seeds together exclude each other: together they cover what each "
+       "run misses"},
+      {"scale",
+       "the divergence from 0, perfect guidance, to 1, uniform sampling: (SE - perfect) / (uniform - perfect); less is "
+       "better"},
   };
   return terms;
 }

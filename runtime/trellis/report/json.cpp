@@ -403,6 +403,32 @@ Json roles_json(const FigurePair& self, const FigurePair& cross) {
           {"expansion", {{"self", measure_json(self.expansion)}, {"cross", measure_json(cross.expansion)}}}};
 }
 
+/// The figure that reports print first.
+Json headline_json(const LevelSummary& level, SampleRole role) {
+  const Headline found = headline(level, role);
+  return {{"lo", number(found.above.lo)},
+          {"hi", number(found.above.hi)},
+          {"scale_lo", number(found.above.scale_lo)},
+          {"scale_hi", number(found.above.scale_hi)},
+          {"exact", found.above.exact},
+          {"seeds", found.seeds > 0 ? Json(found.seeds) : Json(nullptr)},
+          {"blank", found.above.blank.empty() ? Json(nullptr) : Json(found.above.blank)}};
+}
+
+/// The samples of all seeds together; null without.
+Json pooled_json(const LevelSummary& level) {
+  if (!level.pooled) return nullptr;
+  const auto differs = [&](SampleRole role) {
+    return disagree(headline(level, role).above, over_runs(level, role).above);
+  };
+  return {{"seeds", level.pooled->seeds},
+          {"targets", level.pooled->targets},
+          {"headline", level.pooled->seeds + 1 >= least_for_interval},
+          {"disagrees", {{"tree", differs(SampleRole::tree)}, {"expansion", differs(SampleRole::expansion)}}},
+          {"tree", measure_json(&level.pooled->tree)},
+          {"expansion", measure_json(&level.pooled->expansion)}};
+}
+
 Json metrics_json(const MetricsSummary& m) {
   if (m.measured == 0) return nullptr;
   Json nodes = Json::object();
@@ -545,6 +571,9 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
       if (pair->tree.scored + pair->expansion.scored == 0) continue;
       measure[name] = {{"tree", measure_json(pair->tree)}, {"expansion", measure_json(pair->expansion)}};
     }
+    measure["headline"] = {{"tree", headline_json(level, SampleRole::tree)},
+                           {"expansion", headline_json(level, SampleRole::expansion)}};
+    measure["pooled"] = pooled_json(level);
     if (level.equal.tree.scored + level.equal.expansion.scored > 0) {
       measure["equal_samples"] = {{"tree", measure_json(level.equal.tree)},
                                   {"expansion", measure_json(level.equal.expansion)}};
@@ -681,16 +710,10 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
     }
     for (const auto& [strategy, spec] : experiment.strategies) {
       const auto chosen = select_runs(result, problem, strategy);
-      const RunsSummary of = summarise(chosen);
+      const RunsSummary of = summarise(result, problem, strategy);
       summary.push_back(summary_json(of, name, strategy, level_verdicts(found, problem, strategy, of),
                                      part_verdicts(found, problem, strategy, of), unsolved_text(chosen, spec)));
-      for (const PooledScores& pooled : result.pooled) {
-        if (pooled.problem != problem || pooled.strategy != strategy || pooled.key != "0") continue;
-        summary.back()["pooled"] = {{"seeds", pooled.seeds},
-                                    {"targets", pooled.targets},
-                                    {"tree", measure_json(&pooled.scores.tree)},
-                                    {"expansion", measure_json(&pooled.scores.expansion)}};
-      }
+      summary.back()["pooled"] = of.levels.empty() ? Json(nullptr) : pooled_json(of.levels.front());
     }
   };
   const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);

@@ -76,7 +76,7 @@ Section section_of(const Experiment& experiment, const ExperimentResult& result,
   for (const auto& [name, spec] : experiment.strategies) {
     if (is_ablation(experiment, name)) continue;
     auto runs = select_runs(result, problem, name);
-    Row row{name, &spec, summarise(runs), std::move(runs), {}, {}};
+    Row row{name, &spec, summarise(result, problem, name), std::move(runs), {}, {}};
     row.verdicts = level_verdicts(verdicts, problem, name, row.summary);
     row.parts = part_verdicts(verdicts, problem, name, row.summary);
     section.rows.push_back(std::move(row));
@@ -144,32 +144,69 @@ std::string strategies_table(const Section& section, std::size_t width) {
 
 /// The nats of a level above uniform sampling.
 struct Nats {
-  std::string proposals, nodes, mass;
-  bool blank = false;
+  Headline proposals, nodes;
+
+  explicit Nats(const LevelSummary& level)
+      : proposals(headline(level, SampleRole::expansion)), nodes(headline(level, SampleRole::tree)) {}
+  [[nodiscard]] bool blank() const { return !proposals.above.blank.empty() || !nodes.above.blank.empty(); }
+  [[nodiscard]] std::string mass() const {
+    const double mass = nodes.uniform - nodes.mass;
+    return nodes.runs > 0 && std::isfinite(mass) ? fixed(mass, 2, true) : "";
+  }
 };
-std::string nats_text(const Figure& figure, bool& blank) {
-  if (figure.scored == 0) return "";
-  const AboveUniform above = above_uniform(figure);
-  blank = blank || !above.blank.empty();
-  return above.blank.empty() && std::isfinite(above.lo) ? ends_text(above.lo, above.hi) : "";
-}
-Nats nats_of(const LevelSummary& level) {
-  const FigurePair& pair = level.root_cross.tree.scored > 0 ? level.root_cross : level.root;
-  Nats nats;
-  nats.proposals = nats_text(pair.expansion, nats.blank);
-  nats.nodes = nats_text(pair.tree, nats.blank);
-  const double mass = pair.tree.uniform.value - pair.tree.mass_part.value;
-  if (pair.tree.scored > 0 && std::isfinite(mass)) nats.mass = fixed(mass, 2, true);
-  return nats;
+
+std::string nats_text(const Headline& of) { return of.above.printed() ? ends_text(of.above.lo, of.above.hi) : ""; }
+
+/// Joins the texts of the levels' proposals and nodes: "root proposals 1.05, nodes 0.42…0.61; lazy() proposals 2.4".
+template <class Text>
+std::string texts_of(const std::vector<LevelSummary>& levels, const Text& text) {
+  std::string all;
+  for (const LevelSummary& level : levels) {
+    std::string of;
+    for (const SampleRole role : {SampleRole::expansion, SampleRole::tree}) {
+      const std::string one = text(level, role);
+      if (one.empty()) continue;
+      of += fmt::format("{}{} {}", of.empty() ? "" : ", ", role == SampleRole::tree ? "nodes" : "proposals", one);
+    }
+    if (!of.empty()) all += fmt::format("{}{} {}", all.empty() ? "" : "; ", level.name, of);
+  }
+  return all;
 }
 
-/// Returns "+1.95 is perfect guidance", from the oracle's nodes.
-std::string scale_text(const RunsSummary& summary) {
-  if (summary.levels.empty()) return "";
-  const Figure& perfect = summary.levels.front().oracle.tree;
-  const Figure& root = summary.levels.front().root.tree;
-  const double top = perfect.scored > 0 ? perfect.gain.value : root.uniform.value - root.perfect.value;
-  return std::isfinite(top) ? fmt::format("0 is uniform sampling, {} perfect guidance", fixed(top, 2, true)) : "";
+/// Explains the nats of a table: over what they are, the scale, and where single runs differ.
+std::string nats_notes(const std::vector<LevelSummary>& levels, std::size_t width) {
+  std::string notes;
+  const auto add = [&](const std::string& note) {
+    if (!note.empty()) notes += wrap(note, width, "  ", "  ");
+  };
+  const Headline root = headline(levels.front(), SampleRole::tree);
+  const double perfect = root.uniform - root.perfect;
+  std::string scale = std::isfinite(perfect)
+                          ? fmt::format("nats: 0 is uniform sampling, {} perfect guidance", fixed(perfect, 2, true))
+                          : "";
+  if (root.seeds > 0) {
+    scale += fmt::format("{}the samples of all {} seeds together", scale.empty() ? "nats: " : "; ", root.seeds);
+  }
+  add(scale);
+  const std::string on_scale = texts_of(levels, [](const LevelSummary& level, SampleRole role) -> std::string {
+    const AboveUniform above = headline(level, role).above;
+    if (!above.printed() || !std::isfinite(above.scale_lo)) return "";
+    return ends_text(above.scale_lo, above.scale_hi, false);
+  });
+  if (!on_scale.empty()) add("scale, 0 perfect guidance, 1 uniform sampling: " + on_scale);
+  const std::string single = texts_of(levels, [](const LevelSummary& level, SampleRole role) -> std::string {
+    const Headline together = headline(level, role);
+    const AboveUniform alone = over_runs(level, role).above;
+    return together.seeds > 0 && disagree(together.above, alone) ? ends_text(alone.lo, alone.hi) : "";
+  });
+  if (!single.empty()) add("single runs differ: " + single);
+  if (std::any_of(levels.begin(), levels.end(), [](const LevelSummary& level) { return Nats(level).blank(); })) {
+    add("blank: too few samples to tell on which side of uniform sampling they are");
+  }
+  if (std::find(root.flags.begin(), root.flags.end(), "covers the space") != root.flags.end()) {
+    add("the target covers nearly the whole space: perfect guidance and none are the same");
+  }
+  return notes;
 }
 
 /// Shortens a text to a number of columns; an ellipsis replaces the rest.
@@ -260,14 +297,12 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
   columns.push_back(text_column("verdict"));
   const std::vector<std::string> labels = level_labels(levels);
   Table table(columns);
-  bool blank = false;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     std::vector<std::string> cells = {shortened(labels[i], longest_label), percent(levels[i].check_share),
                                       percent(levels[i].time_share)};
     if (measured) {
-      const Nats of = nats_of(levels[i]);
-      blank = blank || of.blank;
-      cells.insert(cells.end(), {of.proposals, of.nodes, of.mass});
+      const Nats of(levels[i]);
+      cells.insert(cells.end(), {nats_text(of.proposals), nats_text(of.nodes), of.mass()});
     }
     cells.push_back(i < found.size() ? verdict_text(found[i]) : "");
     table.add(std::move(cells));
@@ -277,15 +312,7 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
   std::string out =
       wrap(fmt::format("Which level pays? {}", row.name == text ? text : row.name + " = " + text), width, "", "  ");
   out += table.text(width);
-  if (measured) {
-    const std::string scale = scale_text(row.summary);
-    std::string notes = scale;
-    if (blank) {
-      notes += fmt::format("{}blank: too few samples to tell on which side of uniform sampling they are",
-                           notes.empty() ? "" : "; ");
-    }
-    if (!notes.empty()) out += wrap(notes, width, "  ", "  ");
-  }
+  if (measured) out += nats_notes(levels, width);
   return out;
 }
 

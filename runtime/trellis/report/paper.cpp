@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/report/csv.hpp>
@@ -39,13 +41,17 @@ const std::vector<NamedRole>& roles() {
 struct NamedPath {
   const char* name;   ///< in files
   const char* title;  ///< in headings
-  Where where;
+  Where where;        ///< nullptr: all seeds together, on the paths of seeds left out
+  FigurePair LevelSummary::*pair;
 };
+/// The paths on which single runs are scored.
 const std::vector<NamedPath>& paths() {
-  static const std::vector<NamedPath> all = {{"own", "own path", &LevelResult::root},
-                                             {"cross", "other seeds' paths", &LevelResult::root_cross}};
+  static const std::vector<NamedPath> all = {
+      {"own", "own path", &LevelResult::root, &LevelSummary::root},
+      {"cross", "other seeds' paths", &LevelResult::root_cross, &LevelSummary::root_cross}};
   return all;
 }
+constexpr NamedPath together = {"pooled", "all seeds together", nullptr, nullptr};
 
 /// Returns the estimators with results: the headline's, then the other requested ones.
 std::vector<std::string> estimators_of(const Experiment& experiment) {
@@ -136,6 +142,15 @@ Bounded bounded_above(const Interval& interval, double most) {
   return result;
 }
 
+/// "0.42 to 1.20", the SE that the samples support; "blank" where they support none.
+std::string cell(const AboveUniform& above, double uniform) {
+  if (std::isnan(above.lo)) return "NA";
+  if (!above.printed()) return "blank";
+  const std::string lo = fixed(uniform - above.hi);
+  const std::string hi = fixed(uniform - above.lo);
+  return lo == hi ? lo : lo + " to " + hi;
+}
+
 /// Returns "≥ 0.05" where only the bound is available.
 std::string cell(const Bounded& figure) {
   return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.estimate);
@@ -191,11 +206,25 @@ class Markdown {
 class Tables {
  public:
   Tables(const Experiment& experiment, const ExperimentResult& result)
-      : experiment_(experiment), result_(result), estimators_(estimators_of(experiment)) {}
+      : experiment_(experiment), result_(result), estimators_(estimators_of(experiment)) {
+    for (const Problem& problem : experiment.problems) {
+      for (const auto& [name, spec] : experiment.strategies) {
+        summaries_.emplace(std::pair(problem.name, name), summarise(result, problem.name, name));
+      }
+    }
+    if (std::any_of(summaries_.begin(), summaries_.end(), [](const auto& entry) {
+          return !entry.second.levels.empty() &&
+                 trellis::headline(entry.second.levels.front(), SampleRole::tree).seeds > 0;
+        })) {
+      paths_.push_back(together);
+    }
+    paths_.insert(paths_.end(), paths().begin(), paths().end());
+  }
 
   std::string markdown() {
     head();
-    for (const NamedPath& path : paths()) layout(path, headline);
+    for (const NamedPath& path : paths_) layout(path, headline);
+    if (paths_.size() > paths().size()) disagreements();
     if (experiment_.published) {
       beside_published();
       published_ranks();
@@ -204,7 +233,7 @@ class Tables {
     if (experiment_.measure) sample_ranks();
     for (const Problem& problem : experiment_.problems) others(problem);
     for (std::size_t i = 1; i < estimators_.size(); ++i) {
-      for (const NamedPath& path : paths()) layout(path, estimators_[i]);
+      for (const NamedPath& path : paths_) layout(path, estimators_[i]);
     }
     return page_.take();
   }
@@ -221,7 +250,7 @@ class Tables {
     for (const Problem& problem : experiment_.problems) {
       for (const auto& [name, spec] : experiment_.strategies) {
         const auto chosen = select_runs(result_, problem.name, name);
-        const RunsSummary summary = summarise(chosen);
+        const RunsSummary& summary = summary_of(problem.name, name);
         add(problem.name, name, "", "", "", "success", summary.success);
         add(problem.name, name, "", "", "", "length", summary.length);
         add(problem.name, name, "", "", "", "validity_checks", summary.validity_checks);
@@ -230,11 +259,14 @@ class Tables {
           add(problem.name, name, one.guide, "", "", "checks_with_to_without", one.verdict.costs->ratio);
         }
         for (const NamedRole& role : roles()) {
-          for (const NamedPath& path : paths()) {
+          for (const NamedPath& path : paths_) {
             for (const std::string& estimator : estimators_) {
               add(problem.name, name, role.name, path.name, estimator, "SE",
-                  shown_figure(problem.name, name, path, role, estimator).interval);
+                  estimator == headline ? supported(problem.name, name, path, role)
+                                        : shown_figure(problem.name, name, path, role, estimator).interval);
             }
+            add(problem.name, name, role.name, path.name, headline, "scale", scale(problem.name, name, path, role));
+            if (path.where == nullptr) continue;
             for (const Quantity& quantity : quantities()) {
               add(problem.name, name, role.name, path.name, headline, quantity.name,
                   shown_quantity(chosen, path.where, role.role, quantity).interval);
@@ -262,8 +294,7 @@ class Tables {
         {"N", "N", [](const Efficiency& e) { return static_cast<double>(e.samples); }},
         {"n", "in target", [](const Efficiency& e) { return static_cast<double>(e.in_target); }},
         {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
-        {"gain", "above uniform", [](const Efficiency& e) { return e.gain; }, nullptr,
-         [](const Efficiency& e) { return e.uniform - least_by(e, headline); }},
+        {"D_perfect", "perfect", [](const Efficiency& e) { return e.perfect; }},
         {"D", "D", [](const Efficiency& e) { return e.undefended; },
          [](const Efficiency& e) { return e.mass_lower95; }},
         {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
@@ -282,8 +313,75 @@ class Tables {
     return fmt::format("{}", x);
   }
 
+  [[nodiscard]] const RunsSummary& summary_of(const std::string& problem, const std::string& strategy) const {
+    return summaries_.at({problem, strategy});
+  }
+
+  /// The samples of all seeds of a strategy; nullptr without.
+  [[nodiscard]] const Efficiency* pooled(const std::string& problem, const std::string& strategy,
+                                         const NamedRole& role) const {
+    const RunsSummary& summary = summary_of(problem, strategy);
+    if (summary.levels.empty() || !summary.levels.front().pooled) return nullptr;
+    const PooledSummary& of = *summary.levels.front().pooled;
+    return role.role == &Scores::tree ? &of.tree : &of.expansion;
+  }
+
+  /// What the samples support, and the divergence of uniform sampling.
+  [[nodiscard]] std::pair<AboveUniform, double> above(const std::string& problem, const std::string& strategy,
+                                                      const NamedPath& path, const NamedRole& role) const {
+    if (path.where == nullptr) {
+      const Efficiency* e = pooled(problem, strategy, role);
+      if (e == nullptr) return {AboveUniform{}, nan};
+      return {above_uniform(*e), e->uniform};
+    }
+    const RunsSummary& summary = summary_of(problem, strategy);
+    if (summary.levels.empty()) return {AboveUniform{}, nan};
+    const FigurePair& pair = summary.levels.front().*path.pair;
+    const Figure& of = role.role == &Scores::tree ? pair.tree : pair.expansion;
+    return {above_uniform(of), of.uniform.value};
+  }
+  [[nodiscard]] std::string supported_cell(const std::string& problem, const std::string& strategy,
+                                           const NamedPath& path, const NamedRole& role) const {
+    const auto& [found, uniform] = above(problem, strategy, path, role);
+    return cell(found, uniform);
+  }
+  /// SE as the samples support it: its ends, and the middle as the value; without a value where it is blank.
+  [[nodiscard]] Interval supported(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                                   const NamedRole& role) const {
+    const auto& [found, uniform] = above(problem, strategy, path, role);
+    const double lo = uniform - found.hi;
+    const double hi = uniform - found.lo;
+    return {found.printed() ? 0.5 * (lo + hi) : nan, lo, hi, scored(problem, strategy, path, role), 0};
+  }
+  [[nodiscard]] Interval scale(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                               const NamedRole& role) const {
+    const AboveUniform found = above(problem, strategy, path, role).first;
+    return {found.printed() ? 0.5 * (found.scale_lo + found.scale_hi) : nan, found.scale_lo, found.scale_hi,
+            scored(problem, strategy, path, role), 0};
+  }
+  [[nodiscard]] std::size_t scored(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                                   const NamedRole& role) const {
+    const RunsSummary& summary = summary_of(problem, strategy);
+    if (summary.levels.empty()) return 0;
+    const LevelSummary& root = summary.levels.front();
+    if (path.where == nullptr) return root.pooled ? root.pooled->seeds + 1 : 0;
+    const FigurePair& pair = root.*path.pair;
+    return role.role == &Scores::tree ? pair.tree.scored : pair.expansion.scored;
+  }
+
+  /// The estimate, for comparisons; of the headline the middle of the interval that the samples support.
+  [[nodiscard]] double compared(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                                const NamedRole& role, const std::string& estimator) const {
+    return estimator == headline ? supported(problem, strategy, path, role).value
+                                 : figure(problem, strategy, path, role, estimator).value;
+  }
+
   [[nodiscard]] Interval figure(const std::string& problem, const std::string& strategy, const NamedPath& path,
                                 const NamedRole& role, const std::string& estimator) const {
+    if (path.where == nullptr) {
+      const Efficiency* e = pooled(problem, strategy, role);
+      return {e != nullptr ? value_by(*e, estimator) : nan, nan, nan, scored(problem, strategy, path, role), 0};
+    }
     return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
                                     [&](const Efficiency& e) { return value_by(e, estimator); }));
   }
@@ -291,6 +389,10 @@ class Tables {
   /// The printed value: never below the bound from the runs' masses in the target.
   [[nodiscard]] Bounded shown_figure(const std::string& problem, const std::string& strategy, const NamedPath& path,
                                      const NamedRole& role, const std::string& estimator) const {
+    if (path.where == nullptr) {
+      const Efficiency* e = pooled(problem, strategy, role);
+      return bounded(figure(problem, strategy, path, role, estimator), e != nullptr ? least_by(*e, estimator) : nan);
+    }
     const auto least =
         per_run(select_runs(result_, problem, strategy), path.where, role.role,
                 [&](const Efficiency& e) { return std::isnan(value_by(e, estimator)) ? nan : least_by(e, estimator); });
@@ -311,15 +413,17 @@ class Tables {
     page_.text() = "# Sampling efficiency\n\n";
     page_.paragraph(fmt::format(
         "{} problem{}, {} strateg{}, {} seeds. SE: divergence of the target from the root's samples with 5 % uniform "
-        "mixed in, nats, lower is better; mean ± half-width of the 95 % Student interval over the runs. Upper value: "
-        "tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure). ≥ and ≤: a "
-        "bound stands for the mean, because the mean of the estimates lies beyond what the mass in the target allows.",
+        "mixed in, nats, lower is better: the 95 % interval that the samples support, one number where recorded "
+        "densities determine it. blank: the samples do not tell on which side of uniform sampling they are. Upper "
+        "value: tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure). Other "
+        "values: mean ± half-width of the 95 % Student interval over the runs; ≥ and ≤: a bound stands for the mean, "
+        "because the mean of the estimates lies beyond what the mass in the target allows.",
         experiment_.problems.size(), experiment_.problems.size() == 1 ? "" : "s", experiment_.strategies.size(),
         experiment_.strategies.size() == 1 ? "y" : "ies", experiment_.seeds.size()));
     for (const Problem& problem : experiment_.problems) {
       std::vector<std::string> none;
       for (const auto& [name, spec] : experiment_.strategies) {
-        if (summarise(select_runs(result_, problem.name, name)).solved == 0) none.push_back(escaped(name));
+        if (summary_of(problem.name, name).solved == 0) none.push_back(escaped(name));
       }
       if (none.empty()) continue;
       page_.paragraph(
@@ -350,11 +454,41 @@ class Tables {
     for (const auto& [name, spec] : experiment_.strategies) {
       std::vector<std::string> cells = {escaped(name)};
       for (const Problem& problem : experiment_.problems) {
-        cells.push_back(cell(shown_figure(problem.name, name, path, roles()[0], estimator)) + "<br>" +
-                        cell(shown_figure(problem.name, name, path, roles()[1], estimator)));
+        const auto of = [&](const NamedRole& role) {
+          return estimator == headline ? supported_cell(problem.name, name, path, role)
+                                       : cell(shown_figure(problem.name, name, path, role, estimator));
+        };
+        cells.push_back(of(roles()[0]) + "<br>" + of(roles()[1]));
       }
       page_.row(cells);
     }
+    page_.text() += '\n';
+  }
+
+  /// Says where the samples of all seeds together and those of single runs disagree, on other seeds' paths.
+  void disagreements() {
+    page_.heading("Where all seeds together and single runs disagree");
+    std::vector<std::vector<std::string>> rows;
+    for (const Problem& problem : experiment_.problems) {
+      for (const auto& [name, spec] : experiment_.strategies) {
+        for (const NamedRole& role : roles()) {
+          const auto [all, uniform] = above(problem.name, name, together, role);
+          const auto [single, of_single] = above(problem.name, name, paths().back(), role);
+          if (!disagree(all, single)) continue;
+          rows.push_back({escaped(problem.name), escaped(name), role.name, cell(all, uniform), cell(single, of_single),
+                          fixed(uniform)});
+        }
+      }
+    }
+    if (rows.empty()) {
+      page_.paragraph("Nowhere: each value of all seeds together lies in the interval of the single runs.");
+      return;
+    }
+    page_.paragraph(
+        "Their intervals exclude each other. All seeds together are a mixture of distributions, which covers what each "
+        "of them misses.");
+    page_.header({"problem", "strategy", "samples", "SE, all seeds together", "SE, single runs", "uniform"});
+    for (const auto& cells : rows) page_.row(cells);
     page_.text() += '\n';
   }
 
@@ -369,7 +503,7 @@ class Tables {
     page_.header(header);
     for (const auto& [name, spec] : experiment_.strategies) {
       const auto chosen = select_runs(result_, problem.name, name);
-      const RunsSummary summary = summarise(chosen);
+      const RunsSummary& summary = summary_of(problem.name, name);
       const bool crossed = std::any_of(chosen.begin(), chosen.end(), [](const RunResult* run) {
         return !run->levels.empty() && run->levels.front().root_cross;
       });
@@ -416,7 +550,7 @@ class Tables {
       std::vector<std::string> header = {escaped(problem.name), "samples", "published"};
       for (const std::string& estimator : estimators_) {
         if (estimator != headline && !is_legacy(estimator)) continue;
-        for (const NamedPath& path : paths()) {
+        for (const NamedPath& path : paths_) {
           header.push_back(
               fmt::format("{}, {}", estimator == headline ? "SE" : "D by " + escaped(estimator), path.title));
         }
@@ -429,8 +563,9 @@ class Tables {
           std::vector<std::string> cells = {escaped(name), role.name, published_text(published(*e, role))};
           for (const std::string& estimator : estimators_) {
             if (estimator != headline && !is_legacy(estimator)) continue;
-            for (const NamedPath& path : paths()) {
-              cells.push_back(cell(shown_figure(problem.name, name, path, role, estimator)));
+            for (const NamedPath& path : paths_) {
+              cells.push_back(estimator == headline ? supported_cell(problem.name, name, path, role)
+                                                    : cell(shown_figure(problem.name, name, path, role, estimator)));
             }
           }
           page_.row(cells);
@@ -449,7 +584,7 @@ class Tables {
     std::vector<std::string> header = {"estimator", "path", "samples"};
     for (const Problem& problem : experiment_.problems) header.push_back(escaped(problem.name));
     for (const std::string& estimator : estimators_) {
-      for (const NamedPath& path : paths()) {
+      for (const NamedPath& path : paths_) {
         for (const NamedRole& role : roles()) {
           std::vector<std::string> cells = {escaped(estimator), path.title, role.name};
           bool any = false;
@@ -457,7 +592,7 @@ class Tables {
             std::vector<double> theirs;
             std::vector<double> ours;
             for (const auto& [name, spec] : experiment_.strategies) {
-              const double mine = figure(problem.name, name, path, role, estimator).value;
+              const double mine = compared(problem.name, name, path, role, estimator);
               const double that = other(problem.name, name, path, role);
               if (std::isnan(mine) || std::isnan(that)) continue;
               theirs.push_back(that);
@@ -495,7 +630,8 @@ class Tables {
         "The same between each estimator's figures and N, over all strategies. An efficiency is to show where samples "
         "lie, not how many there are: near -1 a figure says little more than the sample count.",
         [&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
-          return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
+          const Where where = path.where != nullptr ? path.where : paths().back().where;
+          return student_interval(per_run(select_runs(result_, problem, strategy), where, role.role,
                                           [](const Efficiency& e) { return static_cast<double>(e.samples); }))
               .value;
         });
@@ -510,13 +646,24 @@ class Tables {
     return fmt::format("{}: {:+.2f} ± {:.2f}", said, difference.value, 0.5 * (difference.hi - difference.lo));
   }
 
+  /// Returns the verdict of two intervals on "a is lower than b".
+  static std::string verdict(const Interval& a, const Interval& b, bool lower) {
+    if (std::isnan(a.lo) || std::isnan(b.lo)) return "NA";
+    if (std::isnan(a.value) || std::isnan(b.value)) return "blank";
+    const bool below = a.hi < b.lo;
+    const bool over = a.lo > b.hi;
+    const char* said = lower ? (below ? "yes" : (over ? "**no**" : "open")) : (below ? "**no**" : "yes");
+    return fmt::format("{}: {:+.2f} to {:+.2f}", said, a.lo - b.hi, a.hi - b.lo);
+  }
+
   void claims() {
     if (experiment_.published->claims.empty()) return;
     page_.heading("What was concluded");
     page_.paragraph(
         "Each cell: whether our data bear the sentence out, and the mean difference of SE, paired by seed, with its 95 "
         "% "
-        "interval. Lower: yes where the interval lies below 0, **no** where above, open where it holds 0. Not lower "
+        "interval; of all seeds together the difference that both intervals allow. Lower: yes where the interval lies "
+        "below 0, **no** where above, open where it holds 0. Not lower "
         "(similar or worse): **no** where the interval lies below 0, else yes.");
     for (const Publication::Claim& claim : experiment_.published->claims) {
       page_.paragraph(
@@ -539,10 +686,18 @@ class Tables {
       for (const Comparison& c : comparisons) cells.push_back(published_verdict(claim, c.other, c.role));
       page_.row(cells);
       for (const std::string& estimator : estimators_) {
-        for (const NamedPath& path : paths()) {
+        for (const NamedPath& path : paths_) {
+          // Of other estimators all seeds together have one value, without an interval.
+          if (path.where == nullptr && estimator != headline) continue;
           cells = {escaped(estimator), path.title};
           bool any = false;
           for (const Comparison& c : comparisons) {
+            if (path.where == nullptr) {
+              cells.push_back(verdict(supported(claim.problem, claim.strategy, path, c.role),
+                                      supported(claim.problem, c.other, path, c.role), claim.lower));
+              any = any || cells.back() != "NA";
+              continue;
+            }
             const auto values = [&](const std::string& strategy) {
               return per_run(select_runs(result_, claim.problem, strategy), path.where, c.role.role,
                              [&](const Efficiency& e) { return value_by(e, estimator); });
@@ -570,6 +725,8 @@ class Tables {
   const Experiment& experiment_;
   const ExperimentResult& result_;
   std::vector<std::string> estimators_;
+  std::map<std::pair<std::string, std::string>, RunsSummary> summaries_;  // by problem and strategy
+  std::vector<NamedPath> paths_;                                          // those that the tables have
   Markdown page_;
 };
 

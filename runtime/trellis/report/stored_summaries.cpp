@@ -69,6 +69,9 @@ Figure figure(const Json& json) {
   }
   for (const Json& share : along.at("samples")) f.profile.push_back(interval(share));
   for (const Json& share : along.at("target")) f.profile_target.push_back(number(share));
+  // Documents of older programs have no intervals that the samples support.
+  if (const Json& lo = field(json, "D_eps_lo"); !lo.is_null()) f.value_lo = interval(lo);
+  if (const Json& hi = field(json, "D_eps_hi"); !hi.is_null()) f.value_hi = interval(hi);
   f.samples = number(json.at("N_median"));
   f.in_target = number(json.at("n_median"));
   f.scored = json.at("runs").get<std::size_t>();
@@ -79,6 +82,24 @@ Figure figure(const Json& json) {
   }
   for (const auto& [flag, runs] : json.at("flags").items()) f.flags.emplace_back(flag, runs.get<std::size_t>());
   return f;
+}
+
+/// What the page prints of all seeds together.
+Efficiency together(const Json& json) {
+  Efficiency e;
+  e.value = number(json.at("D_eps"));
+  e.value_lo = number(json.at("D_eps_lo"));
+  e.value_hi = number(json.at("D_eps_hi"));
+  e.uniform = number(json.at("D_uniform"));
+  e.perfect = number(json.at("D_perfect"));
+  e.gain = number(json.at("gain"));
+  e.mass_lower95 = number(json.at("D_mass_lower95"));
+  e.parts.mass = number(json.at("D_eps_parts").at("mass"));
+  e.parts.spread = number(json.at("D_eps_parts").at("spread"));
+  e.estimator = string_of(json.at("estimator"));
+  e.flags = json.at("flags").get<std::vector<std::string>>();
+  if (json.at("N").is_number()) e.samples = json.at("N").get<std::size_t>();
+  return e;
 }
 
 /// Tree and expansion, of `self` or of `cross`.
@@ -131,6 +152,12 @@ LevelSummary level_of(const Json& json) {
   level.oracle = pair_of(field(measure, "oracle"));
   level.uniform = pair_of(field(measure, "uniform"));
   level.equal = pair_of(field(measure, "equal_samples"));
+  if (const Json& pooled = field(measure, "pooled"); !pooled.is_null()) {
+    level.pooled = PooledSummary{.seeds = pooled.at("seeds").get<std::size_t>(),
+                                 .targets = pooled.at("targets").get<std::size_t>(),
+                                 .tree = together(pooled.at("tree")),
+                                 .expansion = together(pooled.at("expansion"))};
+  }
   return level;
 }
 

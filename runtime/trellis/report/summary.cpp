@@ -204,33 +204,24 @@ MetricsSummary metrics(const LevelResults& levels) {
   return result;
 }
 
-/// Returns the level of a run with a key; nullptr where the run has none.
-const LevelResult* level_of(const RunResult& run, const std::string& key) {
-  const auto it = std::find_if(run.levels.begin(), run.levels.end(),
-                               [&](const LevelResult& level) { return level.record.key == key; });
-  return it != run.levels.end() ? &*it : nullptr;
+/// Returns the middle of an interval with its ends; NaN where it is blank.
+Interval middle(const AboveUniform& above, std::size_t runs) {
+  if (!above.printed()) return {};
+  return {0.5 * (above.lo + above.hi), above.lo, above.hi, runs, 0};
 }
 
-double gain_of(const RunResult& run, const std::string& key, Role role) {
-  const LevelResult* level = level_of(run, key);
-  const Efficiency* e = level != nullptr ? find(*level, &LevelResult::root, role) : nullptr;
-  return e != nullptr ? e->gain : nan;
-}
-
-Waterfall waterfall(std::span<const RunResult* const> runs, const std::vector<LevelSummary>& levels, Role role) {
+Waterfall waterfall(const std::vector<LevelSummary>& levels, SampleRole role) {
   Waterfall result;
   if (levels.empty()) return result;
-  result.uniform = role == &Scores::tree ? levels.front().root.tree.uniform : levels.front().root.expansion.uniform;
-  const auto gains = [&](int level) {
-    std::vector<double> values;
-    for (const RunResult* run : runs) {
-      values.push_back(level < 0 ? 0.0 : gain_of(*run, levels[static_cast<std::size_t>(level)].key, role));
-    }
-    return values;
-  };
-  const auto scored = [&](int level) {
-    const auto values = gains(level);
-    return std::any_of(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
+  const LevelSummary& root = levels.front();
+  const Headline of_root = headline(root, role);
+  result.uniform = {of_root.uniform, of_root.uniform, of_root.uniform, of_root.runs, 0};
+  const auto of_level = [&](int level) { return headline(levels[static_cast<std::size_t>(level)], role); };
+  const auto scored = [&](int level) { return of_level(level).runs > 0; };
+  const auto gain = [&](int level) {
+    if (level < 0) return Interval{0.0, 0.0, 0.0, of_root.runs, 0};
+    const Headline found = of_level(level);
+    return middle(found.above, found.runs);
   };
   // Skip a level without samples of its own (a graph search makes no proposals): its guides count instead.
   const auto guides_of = [&](int level, auto&& self) -> std::vector<int> {
@@ -255,11 +246,10 @@ Waterfall waterfall(std::span<const RunResult* const> runs, const std::vector<Le
       WaterfallStep step;
       step.level = i;
       step.from = guide;
-      const auto before = gains(guide);
-      const auto after = gains(i);
-      step.before = student_interval(before);
-      step.after = student_interval(after);
-      step.added = paired(before, after).difference;
+      step.before = gain(guide);
+      step.after = gain(i);
+      step.added = {step.after.value - step.before.value, step.after.lo - step.before.hi,
+                    step.after.hi - step.before.lo, std::min(step.before.n, step.after.n), 0};
       result.steps.push_back(step);
     }
   }
@@ -391,17 +381,35 @@ BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
   return beside;
 }
 
+void add_waterfalls(RunsSummary& summary) {
+  summary.tree_waterfall = waterfall(summary.levels, SampleRole::tree);
+  summary.expansion_waterfall = waterfall(summary.levels, SampleRole::expansion);
+}
+
 }  // namespace
 
 CensoredCost path_cost(const RunResult& run) {
   return {static_cast<double>(run.run.validity_checks - run.run.improvement_checks), run.run.solved};
 }
 
+namespace {
+
+/// \param lo, hi  of D_eps
+AboveUniform between(double lo, double hi, double perfect, double uniform, bool exact) {
+  return {.lo = uniform - hi,
+          .hi = uniform - lo,
+          .scale_lo = on_scale(lo, perfect, uniform),
+          .scale_hi = on_scale(hi, perfect, uniform),
+          .exact = exact,
+          .blank = exact ? "" : blank_reason(lo, hi, uniform)};
+}
+
+}  // namespace
+
 AboveUniform above_uniform(const Figure& figure) {
-  AboveUniform result;
-  if (figure.scored == 0) return result;
-  result.exact = std::all_of(figure.estimators.begin(), figure.estimators.end(),
-                             [](const std::string& name) { return name.starts_with("exact"); });
+  if (figure.scored == 0) return {};
+  const bool exact = std::all_of(figure.estimators.begin(), figure.estimators.end(),
+                                 [](const std::string& name) { return name.starts_with("exact"); });
   const double uniform = figure.uniform.value;
   const auto end = [](double bound, double value) { return std::isnan(bound) ? value : bound; };
   // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
@@ -409,20 +417,46 @@ AboveUniform above_uniform(const Figure& figure) {
   const double most = uniform - std::log(defence);
   const double lo = std::max(end(figure.value_lo.lo, figure.value_lo.value), least);
   const double hi = std::min(end(figure.value_hi.hi, figure.value_hi.value), most);
-  result.lo = uniform - hi;
-  result.hi = uniform - lo;
-  result.blank = result.exact ? "" : blank_reason(lo, hi, uniform);
-  return result;
+  return between(lo, hi, least, uniform, exact);
 }
 
 AboveUniform above_uniform(const Efficiency& efficiency) {
-  AboveUniform result;
-  if (std::isnan(efficiency.value)) return result;
-  result.exact = efficiency.estimator.starts_with("exact");
-  result.lo = efficiency.uniform - efficiency.value_hi;
-  result.hi = efficiency.uniform - efficiency.value_lo;
-  result.blank = result.exact ? "" : blank_reason(efficiency.value_lo, efficiency.value_hi, efficiency.uniform);
+  if (std::isnan(efficiency.value)) return {};
+  return between(efficiency.value_lo, efficiency.value_hi, efficiency.perfect, efficiency.uniform,
+                 efficiency.estimator.starts_with("exact"));
+}
+
+Headline over_runs(const LevelSummary& level, SampleRole role) {
+  Figure FigurePair::*const part = role == SampleRole::tree ? &FigurePair::tree : &FigurePair::expansion;
+  const Figure& figure = (level.root_cross.*part).scored > 0 ? level.root_cross.*part : level.root.*part;
+  Headline result{.above = above_uniform(figure),
+                  .uniform = figure.uniform.value,
+                  .perfect = figure.perfect.value,
+                  .mass = figure.mass_part.value,
+                  .runs = figure.scored};
+  for (const auto& [flag, runs] : figure.flags) {
+    if (2 * runs >= figure.scored) result.flags.push_back(flag);
+  }
   return result;
+}
+
+Headline headline(const LevelSummary& level, SampleRole role) {
+  Headline result = over_runs(level, role);
+  if (!level.pooled || level.pooled->seeds + 1 < least_for_interval) return result;
+  const Efficiency& together = role == SampleRole::tree ? level.pooled->tree : level.pooled->expansion;
+  if (std::isnan(together.value)) return result;
+  return {.above = above_uniform(together),
+          .uniform = together.uniform,
+          .perfect = together.perfect,
+          .mass = shown(together).parts.mass,
+          .flags = together.flags,
+          .seeds = level.pooled->seeds + 1,
+          .runs = result.runs};
+}
+
+bool disagree(const AboveUniform& a, const AboveUniform& b) {
+  constexpr double visible = 0.005;  // half of the last printed digit
+  return a.printed() && b.printed() && (a.hi < b.lo - visible || b.hi < a.lo - visible);
 }
 
 RunsSummary summarise(std::span<const RunResult* const> runs) {
@@ -479,9 +513,30 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   }
   add_shares(runs, result.levels);
   result.beside = summarise_beside(runs);
-  result.tree_waterfall = waterfall(runs, result.levels, &Scores::tree);
-  result.expansion_waterfall = waterfall(runs, result.levels, &Scores::expansion);
+  add_waterfalls(result);
   return result;
+}
+
+RunsSummary summarise(const ExperimentResult& result, const std::string& problem, const std::string& strategy) {
+  RunsSummary summary = summarise(select_runs(result, problem, strategy));
+  for (LevelSummary& level : summary.levels) {
+    std::vector<Efficiency> tree;
+    std::vector<Efficiency> expansion;
+    PooledSummary pooled;
+    for (const PooledScores& one : result.pooled) {
+      if (one.strategy != strategy || one.key != level.key || (!problem.empty() && one.problem != problem)) continue;
+      tree.push_back(one.scores.tree);
+      expansion.push_back(one.scores.expansion);
+      pooled.seeds = tree.size() == 1 ? one.seeds : std::min(pooled.seeds, one.seeds);
+      pooled.targets += one.targets;
+    }
+    if (tree.empty()) continue;
+    pooled.tree = mean(tree);
+    pooled.expansion = mean(expansion);
+    level.pooled = std::move(pooled);
+  }
+  add_waterfalls(summary);
+  return summary;
 }
 
 namespace {
@@ -632,12 +687,10 @@ std::vector<std::string> guide_warnings(const Experiment& experiment, const Expe
     const bool ablated = std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
                                      [&, &strategy = name](const AblationLink& l) { return l.strategy == strategy; });
     if (ablated || spec.guide() == nullptr) continue;
-    const RunsSummary summary = summarise(select_runs(result, problem, name));
+    const RunsSummary summary = summarise(result, problem, name);
     if (summary.levels.empty()) continue;
-    const LevelSummary& root = summary.levels.front();
-    const FigurePair& pair = root.root_cross.tree.scored > 0 ? root.root_cross : root.root;
     // Proposals in a thin tube may have less spread than uniform ones and still save most checks: judge by the nodes.
-    if (const AboveUniform above = above_uniform(pair.tree); above.hi < 0.0) {
+    if (const AboveUniform above = headline(summary.levels.front(), SampleRole::tree).above; above.hi < 0.0) {
       warnings.push_back(
           fmt::format("{}'s nodes cover the target less well than uniform samples: {} nats above uniform", name,
                       ends_text(above.lo, above.hi)));

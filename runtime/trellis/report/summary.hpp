@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -56,6 +59,24 @@ struct FigurePair {
   Figure expansion;
 };
 
+/// The nats above uniform that the samples of the runs support: counting certifies the upper end, and the lower end
+/// allows for what so many samples cannot show. Each end is the bound of Student's interval of the runs' ends, with
+/// five runs or more, else their mean; with recorded densities in all runs it is Student's interval of their values.
+/// NaN without any.
+struct AboveUniform {
+  double lo = std::numeric_limits<double>::quiet_NaN();
+  double hi = std::numeric_limits<double>::quiet_NaN();
+  /// The same on the scale from perfect guidance, 0, to uniform sampling, 1: less is better.
+  double scale_lo = std::numeric_limits<double>::quiet_NaN();
+  double scale_hi = std::numeric_limits<double>::quiet_NaN();
+  bool exact = false;      ///< by recorded densities, without estimation
+  std::string blank = {};  ///< why reports print none; "" where they do
+
+  [[nodiscard]] bool printed() const { return blank.empty() && std::isfinite(lo); }
+};
+AboveUniform above_uniform(const Figure& figure);
+AboveUniform above_uniform(const Efficiency& efficiency);
+
 /// The other metrics of a level's search over the runs.
 struct MetricsSummary {
   std::size_t measured = 0;         ///< runs with metrics
@@ -76,6 +97,14 @@ struct ResolvesSummary {
   Resolves total;             ///< sums over the runs
   std::size_t exhausted = 0;  ///< runs in which another search found no other path
   std::size_t limited = 0;    ///< runs in which its path was refuted at the limit of re-solves
+};
+
+/// The samples of a level of all seeds together, lifted to the root's space, on the paths of seeds left out.
+struct PooledSummary {
+  std::size_t seeds = 0;    ///< in the pool of a path
+  std::size_t targets = 0;  ///< paths (of all problems, for a summary of several)
+  Efficiency tree;
+  Efficiency expansion;
 };
 
 /// One level of a hierarchy over the runs of a group. Medians are over all the runs that reached the level.
@@ -106,23 +135,45 @@ struct LevelSummary {
   FigurePair root;
   FigurePair own_cross;
   FigurePair root_cross;
+  std::optional<PooledSummary> pooled;
   FigurePair oracle;   ///< of the root level, on its own path: samples of T itself
   FigurePair uniform;  ///< and of uniform sampling
   FigurePair equal;    ///< of the root level: with as many samples as the strategy with the fewest
   MetricsSummary metrics;
 };
 
+/// The figure of a level that reports print first, in the root's space: of all seeds together where there are five or
+/// more, else over the runs, on the paths of other seeds or, without those, on each run's own path.
+struct Headline {
+  AboveUniform above;
+  double uniform = std::numeric_limits<double>::quiet_NaN();
+  double perfect = std::numeric_limits<double>::quiet_NaN();
+  /// -log of the share of the samples in the target, with the 5 % uniform ones.
+  double mass = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::string> flags;
+  std::size_t seeds = 0;  ///< of all seeds together: their number; 0: over the runs
+  std::size_t runs = 0;   ///< scored ones
+};
+struct LevelSummary;
+enum class SampleRole : std::uint8_t { tree, expansion };
+Headline headline(const LevelSummary& level, SampleRole role);
+/// Returns the same over the runs, also where `headline` is of all seeds together.
+Headline over_runs(const LevelSummary& level, SampleRole role);
+/// Whether no value lies in both intervals; false where one of them is blank.
+bool disagree(const AboveUniform& a, const AboveUniform& b);
+
 /// The contribution of a level beyond the levels that guide it: the nats by which its samples, lifted to the root, are
-/// nearer to the root's target than theirs. Negative: a loss.
+/// nearer to the root's target than theirs. Negative: a loss. The values are the middles of the headlines' intervals,
+/// the ends theirs; NaN where one is blank.
 struct WaterfallStep {
   int level = 0;    ///< index into RunsSummary::levels
   int from = -1;    ///< the level that guides it; -1: uniform sampling
   Interval before;  ///< gain of that level, lifted; 0 for uniform sampling
   Interval after;   ///< gain of this level, lifted
-  Interval added;   ///< their difference, paired by run
+  Interval added;   ///< their difference; between all values of the two
 };
 struct Waterfall {
-  Interval uniform;                  ///< the start of the waterfall
+  Interval uniform;                  ///< the start of the waterfall: the divergence of uniform sampling
   std::vector<WaterfallStep> steps;  ///< the deepest level first; one step from each of a level's guides
 };
 
@@ -180,19 +231,6 @@ struct Comparison {
   Paired expansion;
 };
 
-/// The nats above uniform that the samples of the runs support: counting certifies the upper end, and the lower end
-/// allows for what so many samples cannot show. Each end is the bound of Student's interval of the runs' ends, with
-/// five runs or more, else their mean; with recorded densities in all runs it is Student's interval of their values.
-/// NaN without any.
-struct AboveUniform {
-  double lo = std::numeric_limits<double>::quiet_NaN();
-  double hi = std::numeric_limits<double>::quiet_NaN();
-  bool exact = false;      ///< by recorded densities, without estimation
-  std::string blank = {};  ///< why reports print none; "" where they do
-};
-AboveUniform above_uniform(const Figure& figure);
-AboveUniform above_uniform(const Efficiency& efficiency);
-
 /// Parses a level's key, "0.1.10", into numbers, so that levels sort depth first and 10 comes after 9.
 std::vector<std::uint64_t> parse_key(const std::string& key);
 
@@ -200,6 +238,8 @@ std::vector<std::uint64_t> parse_key(const std::string& key);
 CensoredCost path_cost(const RunResult& run);
 
 RunsSummary summarise(std::span<const RunResult* const> runs);
+/// The runs of a strategy on a problem or, with "", on all, with their samples of all seeds together.
+RunsSummary summarise(const ExperimentResult& result, const std::string& problem, const std::string& strategy);
 
 /// Compares all strategies with the baseline (ablations with the complete strategy), on a problem or, with "", on all.
 /// The p values of a quantity are corrected over the comparisons of one report: those of the single problems, or those

@@ -84,6 +84,16 @@ class Notes {
 /// anything.
 class FigureColumn {
  public:
+  /// An interval without marks.
+  void add(const AboveUniform& above, std::size_t runs) {
+    Cell cell;
+    if (runs == 0 || std::isnan(above.lo)) {
+      cell.mean = "-";
+    } else if (above.blank.empty()) {
+      cell.mean = ends_text(above.lo, above.hi);
+    }
+    cells_.push_back(std::move(cell));
+  }
   void add(const Figure& figure, const Place& where, Notes& notes) {
     Cell cell;
     const AboveUniform above = above_uniform(figure);
@@ -201,7 +211,7 @@ std::string waterfall_text(const std::string& label, const Waterfall& waterfall,
   for (const WaterfallStep& step : waterfall.steps) {
     std::string item = name(step.level);
     if (!chain) item += " from " + (step.from < 0 ? std::string("uniform") : name(step.from));
-    item += ' ' + interval_text(step.added, 2, true);
+    item += ' ' + (std::isnan(step.added.value) ? "blank" : interval_text(step.added, 2, true));
     std::replace(item.begin(), item.end(), ' ', no_break);
     line += fmt::format(" {} {}", chain ? "→" : "·", item);
   }
@@ -304,27 +314,39 @@ std::string divergence_text(const Figure& figure) {
 }
 
 /// Returns the measure of every level and role: in its own space on its own path, and lifted to the root.
-std::vector<Table::Column> measure_columns() {
+/// \param pooled  whether there are the samples of all seeds together
+/// \param scale   whether there is the column of the scale
+std::vector<Table::Column> measure_columns(bool pooled, bool scale) {
   const std::string own = "own space, own path";
   const std::string root = "root space: above uniform on";
-  return {text_column("level"),
-          Table::Column{{"samples"}, "", true, true},
-          number_column({"runs"}),
-          number_column({"N"}),
-          number_column({"in", "target"}),
-          number_column({"uniform", "nats"}, own),
-          number_column({"above", "uniform"}, own),
-          number_column({"divergence", "SE"}, own),
-          number_column({"mass", "nats"}, own),
-          number_column({"spread", "nats"}, own),
-          number_column({"D", "nats"}, own),
-          number_column({"D at", "least"}, own),
-          number_column({"along", "nats"}, own),
-          number_column({"empty", "%"}, own),
-          number_column({"covered", "(uniform) %"}, own),
-          number_column({"JS", "nats"}, own),
-          number_column({"own", "path"}, root),
-          number_column({"other", "seeds'"}, root)};
+  std::vector<Table::Column> columns = {text_column("level"),
+                                        Table::Column{{"samples"}, "", true, true},
+                                        number_column({"runs"}),
+                                        number_column({"N"}),
+                                        number_column({"in", "target"}),
+                                        number_column({"uniform", "nats"}, own),
+                                        number_column({"above", "uniform"}, own),
+                                        number_column({"divergence", "SE"}, own),
+                                        number_column({"mass", "nats"}, own),
+                                        number_column({"spread", "nats"}, own),
+                                        number_column({"D", "nats"}, own),
+                                        number_column({"D at", "least"}, own),
+                                        number_column({"along", "nats"}, own),
+                                        number_column({"empty", "%"}, own),
+                                        number_column({"covered", "(uniform) %"}, own),
+                                        number_column({"JS", "nats"}, own),
+                                        number_column({"own", "path"}, root),
+                                        number_column({"other", "seeds'"}, root)};
+  if (pooled) columns.push_back(number_column({"all seeds", "together"}, root));
+  if (scale) columns.push_back(number_column({"scale", "0 perfect"}));
+  return columns;
+}
+
+/// Returns the interval on the scale from perfect guidance, 0, to uniform sampling, 1; "" where it is blank.
+std::string scale_text(const AboveUniform& above) {
+  if (std::isnan(above.lo)) return "-";
+  if (!above.printed() || !std::isfinite(above.scale_lo)) return "";
+  return ends_text(above.scale_lo, above.scale_hi, false);
 }
 
 /// The rows of the measure: each level's tree and expansion.
@@ -341,7 +363,10 @@ class MeasureRows {
     Notes heard_already;
     root_.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : notes_);
     cross_.add(level.root_cross.*role, {row, "other seeds'"}, notes_);
-    lines_.push_back({label, name, &(level.own.*role)});
+    const Headline first = headline(level, tree ? SampleRole::tree : SampleRole::expansion);
+    any_pooled_ = any_pooled_ || first.seeds > 0;
+    pooled_.add(first.seeds > 0 ? first.above : AboveUniform{}, first.seeds);
+    lines_.push_back({label, name, &(level.own.*role), scale_text(first.above)});
   }
 
   /// Perfect guidance or uniform sampling: the estimators' results for as many samples of it.
@@ -353,16 +378,26 @@ class MeasureRows {
       own_.add(*figure, {name, role}, unread);
       root_.add(*figure, {name, role}, unread);
       cross_.add(nothing, {name, role}, unread);
-      lines_.push_back({name, role, figure});
+      pooled_.add(AboveUniform{}, 0);
+      lines_.push_back({name, role, figure, scale_text(above_uniform(*figure))});
     }
   }
 
+  /// The scale has a column unless it alone would split the table.
   [[nodiscard]] std::string text(std::size_t width) const {
+    // A table that does not fit is split by an empty line.
+    const auto fits = [&](bool scale) { return table(scale).text(width).find("\n\n") == std::string::npos; };
+    return table(fits(true) || !fits(false)).text(width) + notes_.text(width);
+  }
+
+ private:
+  [[nodiscard]] Table table(bool with_scale) const {
     const auto own = own_.text();
     const auto root = root_.text();
     const auto cross = cross_.text();
+    const auto pooled = pooled_.text();
     const auto nats = [](double x) { return std::isfinite(x) ? fixed(x, 2) : "-"; };
-    Table table(measure_columns());
+    Table table(measure_columns(any_pooled_, with_scale));
     for (std::size_t k = 0; k < lines_.size(); ++k) {
       const Figure& f = *lines_[k].own;
       const bool first = k == 0 || lines_[k - 1].label != lines_[k].label;
@@ -371,26 +406,43 @@ class MeasureRows {
       const auto supported = [&](const std::string& text) { return blank ? "" : text; };
       const std::string covered =
           f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
-      table.add({first ? lines_[k].label : "", lines_[k].role, std::to_string(f.scored), count_text(f.samples),
-                 count_text(f.in_target), nats(f.uniform.value), own[k], divergence_text(f), interval_text(f.mass_part),
-                 supported(interval_text(f.spread_part)),
-                 supported(std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value)),
-                 nats(f.mass_lower95.value), nats(f.along.value), percent(f.empty_share.value), covered,
-                 nats(f.js.value), root[k], cross[k]});
+      std::vector<std::string> cells = {first ? lines_[k].label : "",
+                                        lines_[k].role,
+                                        std::to_string(f.scored),
+                                        count_text(f.samples),
+                                        count_text(f.in_target),
+                                        nats(f.uniform.value),
+                                        own[k],
+                                        divergence_text(f),
+                                        interval_text(f.mass_part),
+                                        supported(interval_text(f.spread_part)),
+                                        supported(std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value)),
+                                        nats(f.mass_lower95.value),
+                                        nats(f.along.value),
+                                        percent(f.empty_share.value),
+                                        covered,
+                                        nats(f.js.value),
+                                        root[k],
+                                        cross[k]};
+      if (any_pooled_) cells.push_back(pooled[k]);
+      if (with_scale) cells.push_back(lines_[k].scale);
+      table.add(std::move(cells));
     }
-    return table.text(width) + notes_.text(width);
+    return table;
   }
 
- private:
   struct Line {
     std::string label;
     const char* role;
     const Figure* own;
+    std::string scale;
   };
   Notes notes_;
   FigureColumn own_;
   FigureColumn root_;
   FigureColumn cross_;
+  FigureColumn pooled_;
+  bool any_pooled_ = false;
   std::vector<Line> lines_;
 };
 
@@ -479,27 +531,36 @@ namespace {
 
 /// "samples of 14 seeds taken together, on 4 paths of a seed left out: tree -0.42…+1.20 nats above uniform (mass 0.31),
 /// expansion ...".
-std::string pooled_text(const ExperimentResult& result, const std::string& problem, const std::string& strategy,
-                        std::size_t width) {
-  for (const PooledScores& pooled : result.pooled) {
-    if (pooled.problem != problem || pooled.strategy != strategy || pooled.key != "0") continue;
-    std::string text =
-        fmt::format("samples of {} taken together, on {} of a seed left out:", plural(pooled.seeds, "seed"),
-                    plural(pooled.targets, "path"));
-    const auto add = [&](const char* name, const Efficiency& estimated) {
-      if (std::isnan(estimated.value)) return;
-      const Efficiency e = shown(estimated);
-      const AboveUniform above = above_uniform(e);
-      const bool printed = above.blank.empty() && std::isfinite(above.lo);
-      text += fmt::format(" {} {} above uniform (mass {})", name,
-                          printed ? ends_text(above.lo, above.hi) + " nats" : "too few samples to tell",
-                          fixed(e.parts.mass, 2));
-    };
-    add("tree", pooled.scores.tree);
-    add("expansion", pooled.scores.expansion);
-    return wrap(text, width, "", "  ");
+std::string pooled_text(const RunsSummary& summary, std::size_t width) {
+  if (summary.levels.empty() || !summary.levels.front().pooled) return "";
+  const PooledSummary& pooled = *summary.levels.front().pooled;
+  std::string text =
+      fmt::format("samples of {} taken together, on {} of a seed left out:", plural(pooled.seeds, "seed"),
+                  plural(pooled.targets, "path"));
+  const auto add = [&](const char* name, const Efficiency& estimated) {
+    if (std::isnan(estimated.value)) return;
+    const Efficiency e = shown(estimated);
+    const AboveUniform above = above_uniform(e);
+    const bool printed = above.blank.empty() && std::isfinite(above.lo);
+    text += fmt::format(" {} {} above uniform (mass {})", name,
+                        printed ? ends_text(above.lo, above.hi) + " nats" : "too few samples to tell",
+                        fixed(e.parts.mass, 2));
+  };
+  add("tree", pooled.tree);
+  add("expansion", pooled.expansion);
+  std::string out = wrap(text, width, "", "  ");
+  for (const LevelSummary& level : summary.levels) {
+    for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) {
+      const Headline together = headline(level, role);
+      const AboveUniform alone = over_runs(level, role).above;
+      if (together.seeds == 0 || !disagree(together.above, alone)) continue;
+      out += wrap(fmt::format("{} {}: all seeds together have {} nats above uniform, single runs {}", level.name,
+                              role == SampleRole::tree ? "tree" : "expansion",
+                              ends_text(together.above.lo, together.above.hi), ends_text(alone.lo, alone.hi)),
+                  width, "", "  ");
+    }
   }
-  return "";
+  return out;
 }
 
 /// \param search  whether to include the table of each level's search
@@ -547,6 +608,11 @@ class RootColumns {
       const LevelSummary& root = root_of(row);
       crossed_ = crossed_ || root.root_cross.tree.scored > 0;
       equal_ = equal_ || root.equal.tree.scored + root.equal.expansion.scored > 0;
+      const Headline nodes = headline(root, SampleRole::tree);
+      const Headline proposals = headline(root, SampleRole::expansion);
+      seeds_ = std::max({seeds_, nodes.seeds, proposals.seeds});
+      pooled_tree_.add(nodes.seeds > 0 ? nodes.above : AboveUniform{}, nodes.seeds);
+      pooled_expansion_.add(proposals.seeds > 0 ? proposals.above : AboveUniform{}, proposals.seeds);
       tree_.add(root.root.tree, {row.strategy, "tree"}, notes_);
       expansion_.add(root.root.expansion, {row.strategy, "expansion"}, notes_);
       cross_tree_.add(root.root_cross.tree, {row.strategy, "tree on other seeds'"}, notes_);
@@ -558,6 +624,7 @@ class RootColumns {
     const auto add = [&](const std::string& group, std::initializer_list<const char*> names) {
       for (const char* name : names) columns.push_back(number_column({name}, group));
     };
+    if (seeds_ > 0) add("above uniform, all seeds together", {"tree", "expansion"});
     add("above uniform, own path", {"n", "tree", "expansion"});
     if (crossed_) add("above uniform, other seeds' paths", {"n", "tree", "expansion"});
     if (equal_) add("with equally many samples", {"tree", "expansion"});
@@ -565,6 +632,7 @@ class RootColumns {
 
   /// Adds the cells of row `i`.
   void add_cells(std::size_t i, const LevelSummary& root, std::vector<std::string>& cells) const {
+    if (seeds_ > 0) cells.insert(cells.end(), {pooled_tree_.text()[i], pooled_expansion_.text()[i]});
     cells.insert(cells.end(), {scored_text(root.root), tree_.text()[i], expansion_.text()[i]});
     if (crossed_) {
       cells.insert(cells.end(), {scored_text(root.root_cross), cross_tree_.text()[i], cross_expansion_.text()[i]});
@@ -582,6 +650,9 @@ class RootColumns {
   FigureColumn expansion_;
   FigureColumn cross_tree_;
   FigureColumn cross_expansion_;
+  FigureColumn pooled_tree_;
+  FigureColumn pooled_expansion_;
+  std::size_t seeds_ = 0;  // of all seeds together
   bool crossed_ = false;
   bool equal_ = false;
 };
@@ -842,7 +913,7 @@ std::string summary_text(const Experiment& experiment, const ExperimentResult& r
     std::vector<Row> rows;
     rows.reserve(experiment.strategies.size());
     for (const auto& [name, spec] : experiment.strategies) {
-      rows.push_back({name, summarise(select_runs(result, problem.name, name))});
+      rows.push_back({name, summarise(result, problem.name, name)});
     }
     out += summary_section(experiment, result, problem.name, rows, columns_of(width));
   }
@@ -865,7 +936,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
     std::vector<Row> rows;
     out += '\n' + title(heading, columns);
     for (const auto& [name, spec] : experiment.strategies) {
-      rows.push_back({name, summarise(select_runs(result, problem, name))});
+      rows.push_back({name, summarise(result, problem, name)});
       const RunsSummary& summary = rows.back().summary;
       const std::string text = spec.text();
       out += '\n' + wrap(name == text ? name : fmt::format("{} = {}", name, text), columns, "", "    ");
@@ -876,7 +947,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
                               shares_text(spec)),
                   columns, "", "    ");
       out += strategy_table(summary, measured, kind == ReportKind::full, columns);
-      if (measured) out += pooled_text(result, problem, name, columns);
+      if (measured) out += pooled_text(summary, columns);
     }
     out += summary_section(experiment, result, problem, rows, columns);
   };

@@ -40,9 +40,9 @@ std::string interval_text(const Interval& interval, int decimals, bool sign) {
   return text;
 }
 
-std::string ends_text(double lo, double hi) {
-  const std::string from = fixed(lo, 2, true);
-  const std::string to = fixed(hi, 2, true);
+std::string ends_text(double lo, double hi, bool sign) {
+  const std::string from = fixed(lo, 2, sign);
+  const std::string to = fixed(hi, 2, sign);
   return from == to ? from : from + "…" + to;
 }
 

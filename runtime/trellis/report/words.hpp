@@ -23,7 +23,7 @@ std::string percent(double share);
 /// "1.23 ±0.08", "1.23" without an interval, "-" for a missing value.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
 /// "-0.42…+1.20", the ends of an interval; one number where they print the same.
-std::string ends_text(double lo, double hi);
+std::string ends_text(double lo, double hi, bool sign = true);
 /// "<0.001", "0.040".
 std::string p_text(double p);
 /// "0.37 [0.29, 0.52]", a median of ratios; "-" for a missing value, and no brackets without an interval.
