@@ -66,6 +66,28 @@ struct Donor {
   std::uint64_t seed = 0;
 };
 
+/// Returns the samples of a level's tree, from rows that correspond to its nodes. A configuration that the tree has
+/// twice, such as that where the trees of rrt_connect meet, is one sample.
+Configurations nodes_of(const LevelRecord& record, const Configurations& rows) {
+  const Configurations samples = record.search.tree_samples(rows);
+  std::vector<std::uint32_t> order(samples.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
+    const View x = samples[a];
+    const View y = samples[b];
+    return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+  };
+  std::stable_sort(order.begin(), order.end(), before);
+  std::vector<char> again(samples.size(), 0);
+  for (std::size_t i = 1; i < order.size(); ++i) again[order[i]] = before(order[i - 1], order[i]) ? 0 : 1;
+  Configurations once(samples.dimension());
+  once.reserve(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (again[i] == 0) once.push(samples[i]);
+  }
+  return once;
+}
+
 class ProblemScoring {
  public:
   ProblemScoring(const Experiment& experiment, std::vector<RunResult*> runs, unsigned jobs,
@@ -254,7 +276,7 @@ class ProblemScoring {
     Configurations proposals = {};
   };
   [[nodiscard]] static Sets own_sets(const LevelRecord& record) {
-    return {.tree = {record.space, record.search.tree_samples(record.search.nodes)},
+    return {.tree = {record.space, nodes_of(record, record.search.nodes)},
             .expansion = {record.space, expansion(record, record.search.proposals)},
             .support = sample_support(record),
             .density = record.proposal_density,
@@ -263,14 +285,14 @@ class ProblemScoring {
   /// \param root  the root's space
   [[nodiscard]] Sets root_sets(const RunResult& run, const LevelRecord& record, const Space& root) const {
     // Tree nodes are valid in the level's own space; lifted to the root they may be invalid.
-    Sets sets{.tree = {root, record.search.tree_samples(record.root_nodes())},
+    Sets sets{.tree = {root, nodes_of(record, record.root_nodes())},
               .expansion = {root, expansion(record, record.root_proposals())},
               .support = record.level == 0 ? sample_support(record) : SampleSupport::anything,
               .density = record.root_proposal_density,
               .brief = record.level != 0};
     tell(run, record);
     if (users_) {
-      sets.nodes = record.search.tree_samples(record.root_nodes());
+      sets.nodes = nodes_of(record, record.root_nodes());
       sets.proposals = expansion(record, record.root_proposals());
     }
     return sets;
@@ -532,7 +554,7 @@ class ProblemScoring {
       const auto some = [&](const Configurations& rows, const char* name) {
         return thinned(rows, pooled_samples, Stream(measure_seed + one.seed, key, name));
       };
-      runs[seed] = {&record, some(record.search.tree_samples(record.root_nodes()), "pooled nodes"),
+      runs[seed] = {&record, some(nodes_of(record, record.root_nodes()), "pooled nodes"),
                     some(expansion(record, record.root_proposals()), "pooled proposals")};
     }
     return runs;
@@ -708,8 +730,8 @@ class ProblemScoring {
     if (equal_nodes_ == 0 && equal_proposals_ == 0) return;
     if (targets.empty() && root.target) targets.push_back(root.target);
     const LevelRecord& record = level.record;
-    const Configurations nodes = thinned(record.search.tree_samples(record.root_nodes()), equal_nodes_,
-                                         Stream(measure_seed, record.key, "equal nodes"));
+    const Configurations nodes =
+        thinned(nodes_of(record, record.root_nodes()), equal_nodes_, Stream(measure_seed, record.key, "equal nodes"));
     const Configurations proposals = thinned(expansion(record, record.root_proposals()), equal_proposals_,
                                              Stream(measure_seed, record.key, "equal proposals"));
     // The recorded density does not depend on the number of samples: only estimates do.

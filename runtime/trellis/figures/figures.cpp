@@ -233,7 +233,7 @@ std::optional<draw::Figure> plane_figure(const std::string& heading, const RunsS
       if (!points.back()) continue;
       panel.series.push_back(point_series(i, level.name, *points.back()));
     }
-    if (panel.series.size() < 3) continue;
+    if (panel.series.size() < 2) continue;
     for (const WaterfallStep& step : falls->steps) {
       const auto place = [&](int level) -> std::optional<draw::Point> {
         if (level < 0) return draw::Point{0.0, 0.0};

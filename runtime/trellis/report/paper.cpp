@@ -474,20 +474,23 @@ class Tables {
         for (const NamedRole& role : roles()) {
           const auto [all, uniform] = above(problem.name, name, together, role);
           const auto [single, of_single] = above(problem.name, name, paths().back(), role);
-          if (!disagree(all, single)) continue;
+          const Interval estimate = figure(problem.name, name, paths().back(), role, headline);
+          if (!all.printed() || !(estimate.hi < uniform - all.hi || estimate.lo > uniform - all.lo)) continue;
           rows.push_back({escaped(problem.name), escaped(name), role.name, cell(all, uniform), cell(single, of_single),
-                          fixed(uniform)});
+                          cell(estimate), fixed(uniform)});
         }
       }
     }
     if (rows.empty()) {
-      page_.paragraph("Nowhere: each value of all seeds together lies in the interval of the single runs.");
+      page_.paragraph("Nowhere: the estimates of single runs lie in the intervals of all seeds together.");
       return;
     }
     page_.paragraph(
-        "Their intervals exclude each other. All seeds together are a mixture of distributions, which covers what each "
-        "of them misses.");
-    page_.header({"problem", "strategy", "samples", "SE, all seeds together", "SE, single runs", "uniform"});
+        "The mean of the estimates of single runs, on other seeds' paths, lies with its interval outside of what all "
+        "seeds together support. Above it, single runs miss parts of the target that a mixture of them covers; below "
+        "it, so few samples do not show how thin they are.");
+    page_.header({"problem", "strategy", "samples", "SE, all seeds together", "SE, single runs",
+                  "estimate, single runs", "uniform"});
     for (const auto& cells : rows) page_.row(cells);
     page_.text() += '\n';
   }
