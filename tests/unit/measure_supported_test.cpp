@@ -37,7 +37,7 @@ TEST_CASE("thin guidance has an interval that holds the truth, or none", "[suppo
   }
 }
 
-TEST_CASE("samples of the target itself are told from thin ones", "[supported]") {
+TEST_CASE("samples of the target itself are distinguished from thin ones", "[supported]") {
   for (const std::size_t d : {2U, 3U, 6U, 7U}) {
     CAPTURE(d);
     const auto cases = verify::supported_cases(d);

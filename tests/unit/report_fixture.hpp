@@ -33,7 +33,7 @@ inline StrategySpec nested() {
 inline Efficiency efficiency(double uniform, double value, std::size_t samples) {
   Efficiency e;
   e.value = value;
-  // So few samples of a thin guide tell nothing.
+  // So few samples of a thin guide show nothing.
   const bool few = samples < 40;
   e.value_lo = few ? 0.05 : value - 0.2;
   e.value_hi = few ? 4.5 : value + 0.3;

@@ -430,7 +430,8 @@ void supported_table(Report& report) {
   const std::vector<std::size_t> counts = {20, 40, 100, 300, 1000, 3000};
   const std::size_t repetitions = std::min<std::size_t>(40, report.repetitions);
   report.text += fmt::format(
-      "### What samples support\n\nThe interval of D_eps for N samples in and about a straight tube (radius 0.5 m, "
+      "### The interval, case by case\n\nThe interval of D_eps for N samples in and about a straight tube (radius 0.5 "
+      "m, "
       "length 8 m; SE(2): all headings): the mean of its ends over {} repetitions, the share of them whose interval is "
       "printed, and, where any missed, that of the printed ones that hold the truth. Without a share: blank in all.\n",
       repetitions);

@@ -254,7 +254,7 @@ std::string meaning_of(const std::string& flag) {
        {"indicative", "nearest neighbours are far from the truth in so many dimensions: --estimator arc gives a bound"},
        {"few in target", "fewer than 300 samples lie in the target: the bound may be off by more than 0.1; draw more"},
        {"cannot reach", "part of the target is invalid, and these samples can never be"},
-       {"covers the space", "the target covers nearly the whole space: there is nothing to tell"},
+       {"covers the space", "the target covers nearly the whole space: there is nothing to show"},
        {"invalid path", "a configuration of the path is invalid: is 'free' the scene that it was planned in?"}}};
   const auto* const it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
   return it != meanings.end() ? fmt::format("{}: {}", flag, it->second) : flag;

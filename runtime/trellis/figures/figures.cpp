@@ -43,7 +43,7 @@ class Headlines {
                                   : fmt::format("means over {}, on {}", plural(runs_, "run"),
                                                 crossed_ ? "the paths of other seeds" : "their own paths");
     text += "; whiskers: what the samples support, with 95 %";
-    if (blank_) text += "; not drawn: too few samples to tell on which side of uniform sampling they are";
+    if (blank_) text += "; not drawn: too few samples to show on which side of uniform sampling they are";
     return text;
   }
 

@@ -211,7 +211,7 @@ std::string swatch(const CostData& data, const std::string& strategy) {
 /// Explains the columns of nats, and says where all seeds together and single runs disagree.
 std::string nats_notes(const HtmlContent& content, bool pooled) {
   std::string out = fmt::format(
-      "<p class=\"muted\">a…b: the interval that the samples support, with 95 %; blank: too few samples to tell on "
+      "<p class=\"muted\">a…b: the interval that the samples support, with 95 %; blank: too few samples to show on "
       "which "
       "side of uniform sampling they are; scale: 0 perfect guidance, 1 uniform sampling{}</p>\n",
       pooled ? "; all seeds: their samples together, on the paths of a seed left out" : "");

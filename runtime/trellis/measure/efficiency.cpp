@@ -336,7 +336,7 @@ Along mean_along(std::span<const Efficiency> figures) {
 std::string blank_reason(double lo, double hi, double uniform) {
   if (std::isnan(lo) || std::isnan(hi)) return "no interval";
   if (hi < uniform || lo > uniform || hi - lo <= most_width) return "";
-  return "too few samples to tell on which side of uniform sampling they are";
+  return "too few samples to show on which side of uniform sampling they are";
 }
 
 double on_scale(double value, double perfect, double uniform) {

@@ -104,7 +104,7 @@ double least_value(const Efficiency& efficiency);
 /// over runs must use the estimates themselves; otherwise they are biased.
 Efficiency shown(Efficiency efficiency);
 
-/// Returns why an interval of D_eps tells too little to be printed; "" where it tells on which side of uniform sampling
+/// Returns why an interval of D_eps shows too little to be printed; "" where it shows on which side of uniform sampling
 /// the samples are, or is at most `most_width` wide.
 std::string blank_reason(double lo, double hi, double uniform);
 inline constexpr double most_width = 1.0;  ///< nats
@@ -113,7 +113,7 @@ inline constexpr double most_width = 1.0;  ///< nats
 /// unknown, and for a target that covers the space.
 double on_scale(double value, double perfect, double uniform);
 
-/// Whether a target leaves nothing to tell: uniform sampling is within `least_scale` of perfect guidance, because the
+/// Whether a target leaves nothing to show: uniform sampling is within `least_scale` of perfect guidance, because the
 /// target covers nearly the whole space.
 bool covers_space(double uniform);
 inline constexpr double least_scale = 0.25;  ///< nats

@@ -115,7 +115,7 @@ class Supporter {
     features_.push_back(std::move(feature));
   }
 
-  /// Adds what both ends look at: arc length, distance from the path, and the axes of a flat space, as
+  /// Adds what both ends examine: arc length, distance from the path, and the axes of a flat space, as
   /// Target::features() has them.
   void add_features() {
     if (target_.has_path()) {
@@ -470,7 +470,7 @@ class Supporter {
   std::size_t points_;
   std::size_t total_;
   std::size_t once_;  ///< samples in the target that occur once
-  std::size_t used_;  ///< the first of these, in the random order, that are looked at
+  std::size_t used_;  ///< the first of these, in the random order, that are used
   double hidden_atoms_ = 0.0;
   double mixed_;  ///< the density of the uniform samples of the mixture, relative to T
   std::vector<std::size_t> order_;

@@ -43,11 +43,12 @@ const std::vector<ReportTerm>& report_terms() {
        "docs/measure.md. Counting certifies its upper end; the lower end allows for what so many samples cannot show. "
        "Over runs: the mean of the runs' ends with Student's interval"},
       {"blank",
-       "so few samples do not tell: the interval is wider than 1 nat and does not tell on which side of uniform "
+       "so few samples do not show: the interval is wider than 1 nat and does not show on which side of uniform "
        "sampling they are"},
       {"proposals, nodes",
        "nats above uniform of what the level's guide and planner propose, lifted to the root, and of the nodes of its "
-       "tree: of all seeds together where there are five or more. Proposals whose densities are known in closed form are exact: no estimation, whatever their number"},
+       "tree: of all seeds together where there are five or more. Proposals whose densities are known in closed form "
+       "are exact: no estimation, whatever their number"},
       {"along", "the part of the spread along the path: the divergence of arc length"},
       {"across", "the part of the spread across the path"},
       {"verdict",
@@ -95,7 +96,8 @@ const std::vector<ReportTerm>& report_terms() {
       {"own path", "scored on the path of the same run"},
       {"other seeds", "scored on paths that other seeds found, which no run can fit its samples to"},
       {"all seeds together",
-       "samples of all seeds but one, scored together on that one's path: with five seeds or more the first figure of a "
+       "samples of all seeds but one, scored together on that one's path: with five seeds or more the first figure of "
+       "a "
        "report, because it is what published figures average and because more samples show how thin they are"},
       {"single runs differ",
        "the interval over the runs and that of all seeds together exclude each other: together they cover what each "

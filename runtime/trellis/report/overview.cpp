@@ -201,7 +201,7 @@ std::string nats_notes(const std::vector<LevelSummary>& levels, std::size_t widt
   });
   if (!single.empty()) add("single runs differ: " + single);
   if (std::any_of(levels.begin(), levels.end(), [](const LevelSummary& level) { return Nats(level).blank(); })) {
-    add("blank: too few samples to tell on which side of uniform sampling they are");
+    add("blank: too few samples to show on which side of uniform sampling they are");
   }
   if (std::find(root.flags.begin(), root.flags.end(), "covers the space") != root.flags.end()) {
     add("the target covers nearly the whole space: perfect guidance and none are the same");

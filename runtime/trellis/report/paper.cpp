@@ -151,6 +151,13 @@ std::string cell(const AboveUniform& above, double uniform) {
   return lo == hi ? lo : lo + " to " + hi;
 }
 
+/// "-0.42 to 1.20", the nats above uniform that the samples support; "blank" where they support none.
+std::string ends(const AboveUniform& above) {
+  if (std::isnan(above.lo)) return "NA";
+  if (!above.printed()) return "blank";
+  return fixed(above.lo) == fixed(above.hi) ? fixed(above.lo) : fixed(above.lo) + " to " + fixed(above.hi);
+}
+
 /// Returns "≥ 0.05" where only the bound is available.
 std::string cell(const Bounded& figure) {
   return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.estimate);
@@ -414,7 +421,7 @@ class Tables {
     page_.paragraph(fmt::format(
         "{} problem{}, {} strateg{}, {} seeds. SE: divergence of the target from the root's samples with 5 % uniform "
         "mixed in, nats, lower is better: the 95 % interval that the samples support, one number where recorded "
-        "densities determine it. blank: the samples do not tell on which side of uniform sampling they are. Upper "
+        "densities determine it. blank: the samples do not show on which side of uniform sampling they are. Upper "
         "value: tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure). Other "
         "values: mean ± half-width of the 95 % Student interval over the runs; ≥ and ≤: a bound stands for the mean, "
         "because the mean of the estimates lies beyond what the mass in the target allows.",
@@ -467,17 +474,21 @@ class Tables {
 
   /// Says where the samples of all seeds together and those of single runs disagree, on other seeds' paths.
   void disagreements() {
+    constexpr double visible = 0.05;  // nats: targets differ
     page_.heading("Where all seeds together and single runs disagree");
     std::vector<std::vector<std::string>> rows;
     for (const Problem& problem : experiment_.problems) {
       for (const auto& [name, spec] : experiment_.strategies) {
         for (const NamedRole& role : roles()) {
-          const auto [all, uniform] = above(problem.name, name, together, role);
-          const auto [single, of_single] = above(problem.name, name, paths().back(), role);
-          const Interval estimate = figure(problem.name, name, paths().back(), role, headline);
-          if (!all.printed() || !(estimate.hi < uniform - all.hi || estimate.lo > uniform - all.lo)) continue;
-          rows.push_back({escaped(problem.name), escaped(name), role.name, cell(all, uniform), cell(single, of_single),
-                          cell(estimate), fixed(uniform)});
+          const RunsSummary& summary = summary_of(problem.name, name);
+          if (summary.levels.empty()) continue;
+          const AboveUniform all = above(problem.name, name, together, role).first;
+          const AboveUniform single = above(problem.name, name, paths().back(), role).first;
+          const FigurePair& pair = summary.levels.front().root_cross;
+          const Interval& estimate = role.role == &Scores::tree ? pair.tree.gain : pair.expansion.gain;
+          // Their paths differ, so nats above uniform are compared.
+          if (!all.printed() || !(estimate.hi < all.lo - visible || estimate.lo > all.hi + visible)) continue;
+          rows.push_back({escaped(problem.name), escaped(name), role.name, ends(all), ends(single), cell(estimate)});
         }
       }
     }
@@ -486,11 +497,12 @@ class Tables {
       return;
     }
     page_.paragraph(
-        "The mean of the estimates of single runs, on other seeds' paths, lies with its interval outside of what all "
-        "seeds together support. Above it, single runs miss parts of the target that a mixture of them covers; below "
+        "Nats above uniform, more is better. The mean of the estimates of single runs, on other seeds' paths, lies "
+        "with its "
+        "interval outside of what all seeds together support. Below it, single runs miss parts of the target that a "
+        "mixture of them covers; above "
         "it, so few samples do not show how thin they are.");
-    page_.header({"problem", "strategy", "samples", "SE, all seeds together", "SE, single runs",
-                  "estimate, single runs", "uniform"});
+    page_.header({"problem", "strategy", "samples", "all seeds together", "single runs", "estimate of single runs"});
     for (const auto& cells : rows) page_.row(cells);
     page_.text() += '\n';
   }

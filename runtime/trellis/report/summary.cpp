@@ -686,7 +686,11 @@ std::vector<std::string> guide_warnings(const Experiment& experiment, const Expe
   for (const auto& [name, spec] : experiment.strategies) {
     const bool ablated = std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
                                      [&, &strategy = name](const AblationLink& l) { return l.strategy == strategy; });
-    if (ablated || spec.guide() == nullptr) continue;
+    // Thin guidance may lie far from the target and still save checks.
+    const bool saves = std::any_of(comparisons.begin(), comparisons.end(), [&, &strategy = name](const Comparison& c) {
+      return c.strategy == strategy && c.text.empty() && c.validity_checks.ratio.hi < 1.0;
+    });
+    if (ablated || saves || spec.guide() == nullptr) continue;
     const RunsSummary summary = summarise(result, problem, name);
     if (summary.levels.empty()) continue;
     // Proposals in a thin tube may have less spread than uniform ones and still save most checks: judge by the nodes.

@@ -80,7 +80,7 @@ class Notes {
   Places infinite_;
 };
 
-/// A column of nats above uniform: intervals and marks, aligned. Blank where the samples do not support one that tells
+/// A column of nats above uniform: intervals and marks, aligned. Blank where the samples do not support one that shows
 /// anything.
 class FigureColumn {
  public:
@@ -543,7 +543,7 @@ std::string pooled_text(const RunsSummary& summary, std::size_t width) {
     const AboveUniform above = above_uniform(e);
     const bool printed = above.blank.empty() && std::isfinite(above.lo);
     text += fmt::format(" {} {} above uniform (mass {})", name,
-                        printed ? ends_text(above.lo, above.hi) + " nats" : "too few samples to tell",
+                        printed ? ends_text(above.lo, above.hi) + " nats" : "too few samples to show",
                         fixed(e.parts.mass, 2));
   };
   add("tree", pooled.tree);
@@ -843,7 +843,7 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
   out += experiment.seeds.size() * experiment.problems.size() > 1
              ? "Counts and times of levels: medians of what all runs spent; of strategies: an unsolved run counts as "
                "infinite. Efficiencies: means over the runs that have a target, as many as `runs` says; a…b: the "
-               "interval that the samples support, with Student's over the runs; blank: too few samples to tell on "
+               "interval that the samples support, with Student's over the runs; blank: too few samples to show on "
                "which side of uniform sampling they are; ±: half-width of a 95 % Student interval, none for fewer than "
                "5 runs."
              : "One run of each strategy: no intervals.";

@@ -60,7 +60,7 @@ inline constexpr std::array<Note, 11> notes = {{
     {'t', "few in target", "fewer than 300 samples in the target: the bound may be off by more than 0.1"},
     {'l', "lower bound", "at most: from mass and arc length alone, which do not show losses across the path"},
     {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
-    {'w', "covers the space", "the target covers nearly the whole space: there is nothing to tell"},
+    {'w', "covers the space", "the target covers nearly the whole space: there is nothing to show"},
     {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
 }};
 inline constexpr char median_mark = 'm';
