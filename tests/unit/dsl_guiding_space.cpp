@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <dsl/language/words/guiding_space.hpp>
 #include <dsl/language/tools/session.hpp>
+#include <dsl/language/words/guiding_space.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/ablation.hpp>

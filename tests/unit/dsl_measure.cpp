@@ -11,8 +11,8 @@
 #include "support/catch.hpp"
 #include "support/script.hpp"
 
-#include <dsl/language/words/measure.hpp>
 #include <dsl/language/tools/vocabulary.hpp>
+#include <dsl/language/words/measure.hpp>
 #include <trellis/base/random.hpp>
 
 using namespace trellis;
