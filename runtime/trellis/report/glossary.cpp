@@ -43,8 +43,8 @@ const std::vector<ReportTerm>& report_terms() {
        "docs/measure.md. Counting certifies its upper end; the lower end allows for what so many samples cannot show. "
        "Over runs: the mean of the runs' ends with Student's interval"},
       {"blank",
-       "so few samples do not show: the interval is wider than 1 nat and does not show on which side of uniform "
-       "sampling they are"},
+       "too few samples: the interval is wider than 1 nat and does not show on which side of uniform sampling they "
+       "are"},
       {"proposals, nodes",
        "nats above uniform of what the level's guide and planner propose, lifted to the root, and of the nodes of its "
        "tree: of all seeds together where there are five or more. Proposals whose densities are known in closed form "
