@@ -103,7 +103,7 @@ std::string above_html(const AboveUniform& above) {
   if (std::isnan(above.lo)) return "-";
   if (!above.blank.empty()) return fmt::format(R"(<span class="muted" title="{}">blank</span>)", escaped(above.blank));
   if (!std::isfinite(above.lo)) return "-";
-  const std::string text = ends_text(above.lo, above.hi);
+  std::string text = ends_text(above.lo, above.hi);
   if (!std::isfinite(above.scale_lo)) return text;
   return fmt::format(R"(<span title="{} on the scale from perfect guidance, 0, to uniform sampling, 1{}">{}</span>)",
                      ends_text(above.scale_lo, above.scale_hi, false), above.exact ? "; by recorded densities" : "",

@@ -461,7 +461,7 @@ class Tables {
     for (const auto& [name, spec] : experiment_.strategies) {
       std::vector<std::string> cells = {escaped(name)};
       for (const Problem& problem : experiment_.problems) {
-        const auto of = [&](const NamedRole& role) {
+        const auto of = [&, &name = name](const NamedRole& role) {
           return estimator == headline ? supported_cell(problem.name, name, path, role)
                                        : cell(shown_figure(problem.name, name, path, role, estimator));
         };
