@@ -26,7 +26,8 @@ using Diagram = boost::polygon::voronoi_diagram<double>;
 /// A point of the grid. Products of differences fit into 64 bits.
 struct GridPoint {
   std::int64_t x = 0, y = 0;
-  friend auto operator<=>(const GridPoint&, const GridPoint&) = default;
+  // clang-tidy 14 takes the comparison with 0 in it for a pointer.
+  friend auto operator<=>(const GridPoint&, const GridPoint&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 GridPoint operator-(GridPoint a, GridPoint b) { return {a.x - b.x, a.y - b.y}; }
@@ -72,9 +73,9 @@ class Grid {
 class GridSegments {
  public:
   struct Segment {
-    std::uint32_t from = 0, to = 0;  ///< points, from the lesser to the greater
-    std::uint32_t source = 0;        ///< index of the given segment
-    friend auto operator<=>(const Segment&, const Segment&) = default;
+    std::uint32_t from = 0, to = 0;                                     ///< points, from the lesser to the greater
+    std::uint32_t source = 0;                                           ///< index of the given segment
+    friend auto operator<=>(const Segment&, const Segment&) = default;  // NOLINT(modernize-use-nullptr)
   };
 
   GridSegments(const Grid& grid, const std::vector<Vec2>& points,
