@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <dsl/language/core/construct.hpp>
 #include <dsl/language/core/program.hpp>
 #include <dsl/language/core/script_place.hpp>
 #include <dsl/lua/state.hpp>

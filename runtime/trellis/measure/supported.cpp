@@ -54,7 +54,7 @@ struct Effort {
   double unseen_smoothed;  ///< the same where the density is smoothed
 };
 constexpr Effort fine = {TargetFeature::most_points, 2400, 10000, 16.0, 40.0};
-constexpr Effort rough = {512, 300, 1000, 24.0, 48.0};
+constexpr Effort coarse = {512, 300, 1000, 24.0, 48.0};
 
 /// The values of a function of configurations at points of the target and at the samples in it.
 struct Feature {
@@ -204,6 +204,7 @@ class Supporter {
   [[nodiscard]] double by_distance(const Feature& feature, double most, double error) const {
     constexpr std::array<double, 5> shares_within = {0.75, 0.5, 0.25, 0.125, 0.0625};
     std::vector<double> limits;  // descending
+    limits.reserve(shares_within.size());
     for (const double within : shares_within) {
       limits.push_back(feature.target[feature.order[static_cast<std::size_t>(within * static_cast<double>(points_))]]);
     }
@@ -424,7 +425,7 @@ class Supporter {
         }
         double sum = 0.0;
         for (const double count : counts) sum += (count - expected) * (count - expected) / expected;
-        const double freedom = static_cast<double>(cells - 1);
+        const auto freedom = static_cast<double>(cells - 1);
         const double normal = std::max(0.0, (scale * sum - freedom) / std::sqrt(2.0 * freedom));
         worst = std::max(worst, 0.5 * normal * normal);
       }
@@ -479,8 +480,8 @@ class Supporter {
 
 }  // namespace
 
-Supported supported_interval(const Evaluation& evaluation, bool in_less_time) {
-  return Supporter(evaluation, in_less_time ? rough : fine).interval();
+Supported supported_interval(const Evaluation& evaluation, bool rough) {
+  return Supporter(evaluation, rough ? coarse : fine).interval();
 }
 
 }  // namespace trellis::measure
