@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 
+#include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/words/modules.hpp>
 
 namespace trellis::dsl {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/tools/help_text.hpp>
 #include <dsl/language/words/experiment.hpp>
 #include <dsl/language/words/guiding_space.hpp>
