@@ -15,6 +15,7 @@
 #include <dsl/language/words/algebra.hpp>
 #include <dsl/language/words/guiding_space.hpp>
 #include <dsl/language/words/measure.hpp>
+#include <dsl/language/words/modules.hpp>
 #include <dsl/language/words/problem.hpp>
 #include <dsl/language/words/scenario.hpp>
 #include <dsl/language/words/spatial_world.hpp>
@@ -175,7 +176,7 @@ std::vector<Construct> module_functions() {
   interpreter->run([&](lua::Stack& stack) {
     open_language(stack, "", {}, {.described = [&](const Construct& construct) { functions.push_back(construct); }});
     for (const auto& name : module_names()) {
-      stack.push_global("require");
+      stack.push_global(require_construct().name);
       stack.push(name);
       stack.call(1);
       if (stack.top().type() != lua::Type::table) continue;

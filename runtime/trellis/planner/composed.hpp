@@ -111,6 +111,7 @@ class Wrapping : public Composed<Base> {
   [[nodiscard]] Guidance* part_at(std::size_t) const override { return part_.get(); }
   [[nodiscard]] Guidance* drew_last() const override { return part_.get(); }
   [[nodiscard]] Part* part() const { return part_.get(); }
+  /// Sets another part and selects its tree, that of the next proposal; nullptr: none.
   void replace(std::unique_ptr<Part> part) {
     part_ = std::move(part);
     if (part_) part_->select_tree(this->side());
