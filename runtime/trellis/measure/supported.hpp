@@ -13,9 +13,10 @@ struct Supported {
 
 /// Computes a 95 % interval of D_eps from the samples, for a target that is uniform on A.
 ///
-/// The lower end is certified by counting, whatever Q: the bound of Clopper and Pearson for the mass in A, and of the
-/// shares of nested parts of A. Half of the samples choose the parts: cells along the path, across it and along each
-/// axis, ordered by their number of samples, and the distance to the nearest sample. The other half is counted.
+/// The lower end is certified by counting, whatever Q, for independent samples: the bound of Clopper and Pearson for
+/// the mass in A, and of the shares of nested parts of A, whose shares of T are those of 1024 points of it. Half of the
+/// samples choose the parts: cells along the path, across it and along each axis, ordered by their number of samples,
+/// and the distance to the nearest sample. The other half is counted.
 ///
 /// The upper end assumes the simplest density in A that the samples do not contradict: constant, else smoothed over the
 /// k nearest neighbours with fewer and fewer of them. Tests of goodness of fit compare the
