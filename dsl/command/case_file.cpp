@@ -58,12 +58,13 @@ std::string_view behind(const Json::exception& error, std::string_view mark) {
 
 class Reader {
  public:
-  Reader(std::string file, dsl::SessionOptions scripts)
-      : file_(std::move(file)), folder_(fs::path(file_).parent_path()), scripts_(std::move(scripts)) {}
+  /// \param samples  whether the case names a file of samples
+  Reader(std::string file, fs::path folder, bool samples, dsl::SessionOptions scripts)
+      : file_(std::move(file)), folder_(std::move(folder)), samples_(samples), scripts_(std::move(scripts)) {}
 
-  Case read() {
+  Case read(const std::string& bytes) {
     ErrorList errors;
-    parse(errors);
+    parse(bytes, errors);
     Case result;
     result.file = file_;
     const bool space = errors.attempt([&] { read_space(result); });
@@ -75,7 +76,9 @@ class Reader {
       if (!delta.is_number() || !(delta.get<double>() > 0.0) || !std::isfinite(delta.get<double>())) reject("delta");
       result.tube.delta = delta.get<double>();
     });
-    errors.attempt([&] { result.samples = (folder_ / text("samples", "the name of a CSV file")).string(); });
+    errors.attempt([&] {
+      result.samples = samples_ ? (folder_ / text("samples", "the name of a CSV file")).string() : file_ + ": samples";
+    });
     errors.attempt([&] {
       if (!has("free")) return;
       result.free = text("free", "a scene of the standard library, a scene file, or a Lua script");
@@ -95,8 +98,7 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw Error(fmt::format("{}: {}", file_, what)); }
 
-  void parse(ErrorList& errors) {
-    const std::string bytes = dsl::read_file(file_);
+  void parse(const std::string& bytes, ErrorList& errors) {
     std::vector<std::string> seen;
     const Json::parser_callback_t watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
       if (event != Json::parse_event_t::key || depth != 1) return true;
@@ -124,7 +126,8 @@ class Reader {
     static const std::vector<std::string> known = {"dim",  "coords", "weights", "lo",   "hi",   "periodic", "rotations",
                                                    "path", "delta",  "samples", "free", "seed", "distance"};
     for (const auto& [key, value] : document_.items()) {
-      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      const bool unused = !samples_ && key == "samples";
+      if (!unused && std::find(known.begin(), known.end(), key) != known.end()) continue;
       errors.attempt([&, &name = key] {
         fail(fmt::format("unknown key '{}'{}; the keys are: {}", name, did_you_mean(name, known), joined(known)));
       });
@@ -450,6 +453,7 @@ class Reader {
 
   std::string file_;
   fs::path folder_;
+  bool samples_;
   dsl::SessionOptions scripts_;
   Json document_;
   std::string expects_;  // of the most recently read key
@@ -470,6 +474,13 @@ bool normalise_rotations(const Space& space, MutableView q) {
   return true;
 }
 
-Case read_case(const std::string& file, const dsl::SessionOptions& scripts) { return Reader(file, scripts).read(); }
+Case read_case(const std::string& file, const dsl::SessionOptions& scripts) {
+  return Reader(file, fs::path(file).parent_path(), true, scripts).read(dsl::read_file(file));
+}
+
+Case read_case_text(const std::string& text, const std::string& name, const std::string& folder,
+                    const dsl::SessionOptions& scripts) {
+  return Reader(name, folder, false, scripts).read(text);
+}
 
 }  // namespace trellis::command

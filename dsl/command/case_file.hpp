@@ -15,13 +15,13 @@ namespace trellis::command {
 
 /// The input of `trellis measure`: samples, their space, and the reference path.
 struct Case {
-  std::string file;  ///< as typed
+  std::string file;  ///< as typed; the caller's name of a case without a file
   Space space;
   std::vector<std::string> coordinates;  ///< names of the columns
   Configurations path;
   std::vector<std::size_t> position;  ///< axes of the position, for the planar distance
   TubeSettings tube;
-  std::string samples;  ///< the CSV file
+  std::string samples;  ///< the CSV file; of a case without a file their name in messages
   std::string free;     ///< the entry that decides validity, as in the file; "" without
   Target::Valid valid;  ///< empty without
   std::uint64_t seed = 1;
@@ -35,5 +35,12 @@ bool normalise_rotations(const Space& space, MutableView q);
 /// relative to its folder. Does not read the samples yet.
 /// \throws Error that names the file and the key for malformed content.
 Case read_case(const std::string& file, const dsl::SessionOptions& scripts);
+
+/// The same for a case that is no file, and whose samples are none: it has no key `samples`.
+/// \param text    a JSON object
+/// \param name    the case in messages
+/// \param folder  paths in the case are relative to it
+Case read_case_text(const std::string& text, const std::string& name, const std::string& folder,
+                    const dsl::SessionOptions& scripts);
 
 }  // namespace trellis::command

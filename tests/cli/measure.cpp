@@ -144,6 +144,24 @@ TEST_CASE("uniform samples of a capsule gain nothing over uniform sampling") {
   CHECK(figures["along"]["samples"].size() == 12);
 }
 
+TEST_CASE("the intervals of mass and spread contain the parts of the headline") {
+  const Place place;
+  for (const std::string& csv : {uniform_csv(3000), left_csv(3000)}) {
+    const Json figures = measured(place, capsule(), csv);
+    const Json& parts = figures["D_eps0.05_parts"];
+    for (const auto& [part, key] :
+         {std::pair{"mass", "D_eps0.05_mass_CI95"}, std::pair{"spread", "D_eps0.05_spread_CI90"}}) {
+      INFO(key << figures.dump());
+      CHECK(figures[key][0].get<double>() <= parts[part].get<double>());
+      CHECK(parts[part].get<double>() <= figures[key][1].get<double>());
+    }
+    // The mass of the mixture with 5 % uniform samples, at the ends of the interval of the mass.
+    const double blurred = -std::log(0.95 * std::exp(-figures["D_mass_CI95"][0].get<double>()) +
+                                     0.05 * std::exp(-figures["D_uniform"].get<double>()));
+    CHECK(figures["D_eps0.05_mass_CI95"][0].get<double>() == Approx(blurred));
+  }
+}
+
 TEST_CASE("samples drawn from the target itself reach a divergence near 0") {
   const Place place;
   Numbers numbers;
@@ -474,7 +492,7 @@ TEST_CASE("bad input gives one message with what and where, and no figure", "[sl
       {"exact",
        {},
        "",
-       "--estimator exact: the density that the samples were drawn from is not known",
+       "--estimator: exact: the density that the samples were drawn from is not known",
        {"--estimator", "exact"}},
       {"no estimator", {}, "", "--estimator is empty", {"--estimator", ""}},
       {"no such folder", {}, "", "cannot write 'no/all.json'", {"--json", "no/all.json"}},

@@ -1,372 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
+#include <cstddef>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <dsl/command/case_file.hpp>
 #include <dsl/command/commands.hpp>
+#include <dsl/command/measurement.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/command/store/csv.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/measure/efficiency.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// Returns the default estimator of a space with so many degrees of freedom.
-const char* default_estimator(std::size_t degrees) { return degrees < most_across ? "knn" : "arc"; }
-constexpr const char* no_density = "the density that the samples were drawn from is not known: a file holds none";
-
-/// The result of one estimator for the samples.
-struct Answer {
-  std::string estimator;
-  std::optional<Estimate> estimate;
-  std::string reason;  ///< why it has no value
-};
-
-struct Measured {
-  Efficiency headline;
-  std::vector<Answer> answers;  ///< of all estimators; empty unless the user requests all
-  double log_volume = 0.0;      ///< log|T|
-  std::size_t outside = 0;      ///< samples outside of the space
-  std::vector<std::string> notes;
-};
-
-std::vector<EstimatorSpec> specs_of(const std::string& asked, std::size_t degrees) {
-  std::vector<EstimatorSpec> specs;
-  if (asked == "all") {
-    for (const auto& kind : measure::estimator_kinds()) specs.push_back(EstimatorSpec::make(kind.component->name));
-    const auto first =
-        std::find_if(specs.begin(), specs.end(), [&](const auto& s) { return s.name() == default_estimator(degrees); });
-    std::rotate(specs.begin(), first, first + 1);
-    return specs;
-  }
-  try {
-    specs.push_back(EstimatorSpec::make(asked.empty() ? default_estimator(degrees) : asked));
-  } catch (const Error& error) {
-    throw Error(fmt::format("--estimator: {}; all is each of them", error.what()));
-  }
-  if (asked == "exact") throw Error(fmt::format("--estimator exact: {}", no_density));
-  return specs;
-}
-
-/// Returns notes on possible mistakes in the input.
-std::vector<std::string> notes_on(const Space& space, const Configurations& samples) {
-  constexpr double many_turns = 4.0;
-  std::vector<std::string> notes;
-  for (const Factor& factor : space.factors()) {
-    if (factor.kind != Factor::Kind::circle) continue;
-    const std::size_t j = factor.column;
-    const Axis& axis = factor.axis;
-    double lo = samples[0][j];
-    double hi = lo;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      lo = std::min(lo, samples[i][j]);
-      hi = std::max(hi, samples[i][j]);
-    }
-    const double turns = (hi - lo) / (axis.hi - axis.lo);
-    if (turns < many_turns) continue;
-    notes.push_back(fmt::format("{} goes from {:g} to {:g}, {:.0f} times around [{:g}, {:g}]: is it in other units?",
-                                axis.name, lo, hi, turns, axis.lo, axis.hi));
-  }
-  return notes;
-}
-
-/// \throws Error if there are no samples, no target, or no value from the first estimator.
-Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
-  Configurations samples = read_csv(c.samples, c.coordinates, c.file + ": samples");
-  for (std::size_t i = 0; i < samples.size(); ++i) normalise_rotations(c.space, samples[i]);
-  const Target target(c.space, c.path, c.position, c.tube, c.valid, c.seed);
-  if (target.empty() && !c.valid) {
-    throw Error(fmt::format("{}: delta = {:g} is too small for this space: nothing was found within it of the path",
-                            c.file, c.tube.delta));
-  }
-  if (target.empty()) {
-    throw Error(
-        fmt::format("{}: no valid configuration lies within {:g} of the path: there is no target; examine "
-                    "'free' ('{}'), at the path and at delta",
-                    c.file, c.tube.delta, c.free));
-  }
-  Measured result;
-  for (std::size_t i = 0; i < samples.size(); ++i) result.outside += c.space.contains(samples[i]) ? 0 : 1;
-  if (result.outside == samples.size()) {
-    throw Error(fmt::format("{}: none of the {} samples lies within the bounds of {} (lo, hi)", c.samples,
-                            samples.size(), c.file));
-  }
-  const auto reason_of = [&](const EstimatorSpec& spec) {
-    return efficiency(target, samples, {.estimators = {spec}, .density = {}}).reason;
-  };
-  result.headline = efficiency(target, samples, {.estimators = specs, .density = {}});
-  if (result.headline.estimator != specs.front().text() || !result.headline.reason.empty()) {
-    throw Error(fmt::format("{}: {} gives no figure: {}", c.samples, specs.front().name(), reason_of(specs.front())));
-  }
-  result.headline = shown(std::move(result.headline));
-  result.log_volume = target.log_volume();
-  result.notes = notes_on(c.space, samples);
-  for (std::size_t i = 0; c.valid && i < c.path.size(); ++i) {
-    if (c.valid(c.path[i])) continue;
-    result.headline.flags.emplace_back("invalid path");
-    break;
-  }
-  if (specs.size() == 1) return result;
-  for (const EstimatorSpec& spec : specs) {
-    Answer answer{spec.name(), std::nullopt, ""};
-    const auto& others = result.headline.others;
-    const auto other =
-        std::find_if(others.begin(), others.end(), [&](const Estimate& e) { return e.estimator == spec.text(); });
-    if (spec.text() == result.headline.estimator) {
-      answer.estimate = result.headline;
-    } else if (other != others.end()) {
-      answer.estimate = *other;
-    } else {
-      answer.reason = spec.name() == "exact" ? no_density : reason_of(spec);
-    }
-    result.answers.push_back(std::move(answer));
-  }
-  return result;
-}
-
-/// The plain grid is not defended: reports its single value as D.
-Estimate as_it_is(Estimate estimate) {
-  if (!estimate.estimator.starts_with("legacy")) return estimate;
-  estimate.value = estimate.gain = std::numeric_limits<double>::quiet_NaN();
-  estimate.parts = {};
-  return estimate;
-}
-
-// Document
-// -------------------------------------------------------------------------------------------------------------
-
-Json number(double x) {
-  if (std::isnan(x)) return nullptr;
-  if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
-  return x;
-}
-
-Json parts(const ChainRule& parts) {
-  return {{"mass", number(parts.mass)},
-          {"spread", number(parts.spread)},
-          {"along", number(parts.along)},
-          {"across", number(parts.across)}};
-}
-
-/// Why the table prints no interval; "" where it does, and without a value.
-std::string blank_of(const Efficiency& e) {
-  return std::isnan(e.value_lo) ? "" : blank_reason(e.value_lo, e.value_hi, e.uniform);
-}
-
-Json document(const Case& c, const Measured& m) {
-  const Efficiency& e = m.headline;
-  const Estimate figures = as_it_is(e);
-  Json json;
-  json["N"] = e.samples;
-  json["vol_T"] = number(std::exp(m.log_volume));
-  json["log_vol_C"] = number(c.space.log_volume());
-  json["D_uniform"] = number(e.uniform);
-  json["n_in"] = e.in_target;
-  json["p_in"] = static_cast<double>(e.in_target) / static_cast<double>(e.samples);
-  json["D"] = number(figures.undefended);
-  json["D_eps0.05"] = number(figures.value);
-  json["D_eps0.05_CI95"] = {number(e.value_lo), number(e.value_hi)};
-  json["scale_CI95"] = {number(on_scale(e.value_lo, e.perfect, e.uniform)),
-                        number(on_scale(e.value_hi, e.perfect, e.uniform))};
-  json["blank"] = blank_of(e).empty() ? Json(nullptr) : Json(blank_of(e));
-  json["D_eps0.01"] = number(figures.light_value);
-  json["gain_eps0.05"] = number(figures.gain);
-  json["D_mass"] = number(e.mass);
-  json["D_mass_LB95"] = number(e.mass_lower95);
-  json["D_mass_CI95"] = {number(e.mass_lo), number(e.mass_hi)};
-  json["D_perfect"] = number(e.perfect);
-  json["D_parts"] = parts(figures.undefended_parts);
-  json["D_eps0.05_parts"] = parts(figures.parts);
-  json["D_arc"] = number(e.along.divergence);
-  json["arc_empty_share"] = number(e.along.empty_share);
-  json["cov_delta"] = number(e.coverage);
-  json["cov_half_delta"] = number(e.coverage_half);
-  json["JS"] = number(figures.js);
-  json["estimator"] = e.estimator;
-  json["flags"] = e.flags;
-  json["uniform_cov_delta"] = number(e.uniform_coverage);
-  json["uniform_cov_half_delta"] = number(e.uniform_coverage_half);
-  json["free_share"] = number(e.free_share);
-  json["length"] = number(e.along.length);
-  json["outside"] = m.outside;
-  json["repeated"] = e.repeated;
-  json["notes"] = m.notes;
-  json["along"] = {{"target", e.along.target}, {"samples", e.along.samples}};
-  if (m.answers.empty()) return json;
-  Json& all = json["estimators"] = Json::object();
-  for (const Answer& answer : m.answers) {
-    Json& one = all[answer.estimator];
-    const Estimate estimate = as_it_is(answer.estimate.value_or(Estimate{}));
-    one["D"] = number(estimate.undefended);
-    one["D_eps0.05"] = number(estimate.value);
-    one["D_eps0.01"] = number(estimate.light_value);
-    one["gain_eps0.05"] = number(estimate.gain);
-    one["D_parts"] = parts(estimate.undefended_parts);
-    one["D_eps0.05_parts"] = parts(estimate.parts);
-    one["JS"] = number(estimate.js);
-    if (!answer.estimate) one["reason"] = answer.reason;
-  }
-  return json;
-}
-
-// Table
-// ----------------------------------------------------------------------------------------------------------------
-
-std::string figure_text(double x) { return std::isnan(x) ? "-" : fmt::format("{:.3f}", x); }
-
-std::string interval_text(double lo, double hi) {
-  return lo == hi ? figure_text(lo) : fmt::format("{:.2f} to {:.2f}", lo, hi);
-}
-
-std::string row(std::string_view name, const std::string& text, std::string_view meaning) {
-  return fmt::format("  {:<16} {:>13}  {}\n", name, text, meaning);
-}
-std::string row(std::string_view name, double x, std::string_view meaning) {
-  return row(name, figure_text(x), meaning);
-}
-
-std::string meaning_of(const std::string& flag) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> meanings = {
-      {{"underpowered", "as many uniform samples would put fewer than 10 into the target: draw more"},
-       {"censored",
-        "no sample lies in the target: D_mass_LB95 is all that is known, the rest is what so few leave possible"},
-       {"partial", "the samples cover less of the target than as many uniform ones would"},
-       {"below mass bound", "D is below what the share of the samples in the target allows: do not believe it"},
-       {"lower bound",
-        "mass and arc length alone: the divergence is at least this, nats above uniform are at most this"},
-       {"indicative", "nearest neighbours are far from the truth in so many dimensions: --estimator arc gives a bound"},
-       {"few in target", "fewer than 300 samples lie in the target: the bound may be off by more than 0.1; draw more"},
-       {"cannot reach", "part of the target is invalid, and these samples can never be"},
-       {"covers the space", "the target covers nearly the whole space: there is nothing to show"},
-       {"invalid path", "a configuration of the path is invalid: is 'free' the scene that it was planned in?"}}};
-  const auto* const it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
-  return it != meanings.end() ? fmt::format("{}: {}", flag, it->second) : flag;
-}
-
-/// Returns a bar for each part of the path, scaled to the highest share of both profiles.
-std::string bars(const std::vector<double>& shares, double full) {
-  constexpr std::array<std::string_view, 9> blocks = {"·", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  std::string text;
-  for (const double share : shares) {
-    const auto eighths = static_cast<std::size_t>(std::ceil(8.0 * share / full));
-    text += blocks[std::min<std::size_t>(eighths, 8)];
-  }
-  return text;
-}
-
-std::string profile(const Along& along) {
-  if (along.target.empty()) return "";
-  const double full = std::max(*std::max_element(along.target.begin(), along.target.end()),
-                               *std::max_element(along.samples.begin(), along.samples.end()));
-  return fmt::format("\n  along the path, start to goal, {} part{} of {:.3g} m\n    target   {}\n    samples  {}\n",
-                     along.target.size(), along.target.size() == 1 ? "" : "s",
-                     along.length / static_cast<double>(along.target.size()), bars(along.target, full),
-                     bars(along.samples, full));
-}
-
-std::string table(const Case& c, const Measured& m) {
-  const Efficiency& e = m.headline;
-  const Estimate figures = as_it_is(e);
-  std::string text =
-      fmt::format("{}: {} samples {}, {} of them in the target\n", c.samples, e.samples, c.space.name(), e.in_target);
-  text += fmt::format("target: {} within {:g} m of the path of {} ({:.3g} m long), {}\n",
-                      c.valid ? "the valid configurations" : "the configurations", c.tube.delta, c.file, e.along.length,
-                      c.tube.distance == TubeSettings::Distance::planar ? "by position alone" : "in the full metric");
-  if (c.valid) text += fmt::format("valid: by '{}', {:.1f} % of the tube\n", c.free, 100.0 * e.free_share);
-  if (m.outside > 0) {
-    text += fmt::format("outside of the space: {} of the samples; they count, and reach nothing\n", m.outside);
-  }
-  if (e.repeated > 0) {
-    text +=
-        fmt::format("repeated: {} of the samples occur more than once; they have mass but no density\n", e.repeated);
-  }
-  for (const std::string& note : m.notes) text += fmt::format("note: {}\n", note);
-  text += fmt::format("estimator: {}\n\n", e.estimator);
-  // An interval exists where the target is uniform; the estimates are printed unless it is blank.
-  const bool blank = !blank_of(e).empty();
-  const bool printed = !blank && !std::isnan(e.value_lo);
-  const std::string what = "divergence of the samples with 5 % uniform ones mixed in";
-  if (printed) {
-    text += row("D_eps0.05", interval_text(e.value_lo, e.value_hi), "nats, less is better: " + what);
-    text += row("gain_eps0.05", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo),
-                "nats above uniform sampling, more is better: D_uniform - D_eps0.05");
-    if (!covers_space(e.uniform)) {
-      text += row("scale",
-                  interval_text(on_scale(e.value_lo, e.perfect, e.uniform), on_scale(e.value_hi, e.perfect, e.uniform)),
-                  "from 0, perfect guidance, to 1, uniform sampling");
-    }
-  } else if (blank) {
-    text += row("D_eps0.05", "",
-                fmt::format("{}: {} ({} to {})", what, blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
-  }
-  if (!blank) {
-    text += row("estimate", figures.value,
-                fmt::format("D_eps0.05 by {}{}", e.estimator,
-                            e.estimator.starts_with("exact") ? "" : ", if the samples show all of the distribution"));
-  }
-  text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
-  if (!blank) {
-    text += row("  spread", figures.parts.spread, "of it: how unevenly those that do cover the target");
-    text += row("    along", figures.parts.along, "of the spread: along the path");
-    text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
-  }
-  text += row("D_uniform", e.uniform, "D_eps0.05 of uniform sampling");
-  text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
-  if (!blank) {
-    text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
-    text += row("D", figures.undefended, "of the samples as they are");
-  }
-  text += row(
-      "D_mass", e.mass,
-      fmt::format("-log of the share of the samples in the target; 95 % interval: {} to {}{}", figure_text(e.mass_lo),
-                  figure_text(e.mass_hi), e.repeated > 0 ? "; repeated samples count" : ""));
-  text += row("D_mass_LB95", e.mass_lower95, "the least that D can be, with 95 % confidence");
-  text += row("D_arc", e.along.divergence, "divergence of where along the path the samples in the target lie");
-  text += row("arc_empty_share", e.along.empty_share, "share of the target in parts of the path without a sample");
-  text += row(
-      "cov_delta", e.coverage,
-      fmt::format("share of the target within delta of a sample; uniform ones: {}", figure_text(e.uniform_coverage)));
-  text += row("cov_half_delta", e.coverage_half,
-              fmt::format("within half of delta; uniform ones: {}", figure_text(e.uniform_coverage_half)));
-  if (!blank)
-    text += row("JS", figures.js, "Jensen-Shannon divergence, from 0 (the same) to 0.693 (nothing in common)");
-  text += profile(e.along);
-  if (!m.answers.empty()) {
-    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", "estimator", "D_eps0.05", "mass",
-                        "spread", "D_eps0.01", "D", "gain_eps0.05", "JS");
-    for (const Answer& answer : m.answers) {
-      if (!answer.estimate) {
-        text += fmt::format("  {:<10} none: {}\n", answer.estimator, answer.reason);
-        continue;
-      }
-      const Estimate estimate = as_it_is(*answer.estimate);
-      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", answer.estimator,
-                          figure_text(estimate.value), figure_text(estimate.parts.mass),
-                          figure_text(estimate.parts.spread), figure_text(estimate.light_value),
-                          figure_text(estimate.undefended), figure_text(estimate.gain), figure_text(estimate.js));
-    }
-  }
-  if (!e.flags.empty()) text += '\n';
-  for (const std::string& flag : e.flags) text += fmt::format("  ! {}\n", meaning_of(flag));
-  return text;
-}
 
 struct Options {
   std::string file;       ///< the case
@@ -375,16 +27,25 @@ struct Options {
   ScriptOptions scripts;
 };
 
+std::vector<EstimatorSpec> estimators(const Options& options, std::size_t degrees) {
+  try {
+    return measure_estimators(options.estimator, degrees);
+  } catch (const Error& error) {
+    throw Error(fmt::format("--estimator: {}", error.what()));
+  }
+}
+
 int measure(const Options& options) {
-  specs_of(options.estimator, 1);  // reports an unknown estimator before it reads the case
+  static_cast<void>(estimators(options, 1));  // reports an unknown estimator before it reads the case
   const bool to_stdout = options.json == "-";
   const bool to_file = !options.json.empty() && !to_stdout;
   if (to_file) require_writable_file(options.json);
   const Case c = read_case(options.file, session_options(options.scripts));
-  const Measured m = measured(c, specs_of(options.estimator, c.space.degrees()));
-  const std::string json = document(c, m).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  Configurations samples = read_csv(c.samples, c.coordinates, c.file + ": samples");
+  const Measurement m = measure_samples(c, std::move(samples), estimators(options, c.space.degrees()));
+  const std::string json = measurement_json(c, m);
   if (to_file) write_file(options.json, json);
-  print_all(to_stdout ? json : table(c, m));
+  print_all(to_stdout ? json : measurement_table(c, m));
   return success;
 }
 
