@@ -9,8 +9,8 @@
 #include <cmath>
 #include <system_error>
 
+#include <dsl/command/provenance.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/base/version.hpp>
 
 namespace trellis::command {
 
@@ -100,7 +100,7 @@ CommandLine::CommandLine()
     : app_(std::make_unique<CLI::App>(
           "Trellis runs scripts that declare hierarchies of guiding spaces for motion planning.", "trellis")) {
   app_->require_subcommand(1);
-  app_->set_version_flag("--version", std::string("trellis ") + version(), "Print the version and exit");
+  app_->set_version_flag("--version", "trellis " + version_and_commit(), "Print the version and exit");
 }
 
 CommandLine::~CommandLine() = default;

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <trellis/memory/database.hpp>
@@ -68,6 +69,21 @@ struct Sweeps {
 };
 
 }  // namespace
+
+TEST_CASE("a manifest names the commit and the machine, which may differ between shards") {
+  const Sweeps it;
+  REQUIRE(it.sweep("one", "1/2").status == 0);
+  REQUIRE(it.sweep("two", "2/2").status == 0);
+  const std::string text = it.text("one/manifest.json");
+  const Json manifest = Json::parse(text);
+  CHECK(manifest.at("version") == TRELLIS_VERSION);
+  CHECK(manifest.at("commit").is_string());
+  for (const char* field : {"system", "processor", "cores", "compiler"}) CHECK(manifest.at("machine").contains(field));
+  it.place.script("one/manifest.json",
+                  std::regex_replace(text, std::regex(R"re("(processor|commit)":"[^"]*")re"), R"("$1":"another one")"));
+  CHECK(it.text("one/manifest.json").find("another one") != std::string::npos);
+  CHECK(it.place.run({"merge", "one", "two", "--out", "all"}).status == 0);
+}
 
 TEST_CASE("a sweep that is killed at random ends with the bytes of one that is not", "[slow]") {
   const char* const wanted = std::getenv("TRELLIS_KILLS");  // NOLINT(concurrency-mt-unsafe)

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <utility>
 
+#include <dsl/command/provenance.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
@@ -118,7 +119,8 @@ void Manifest::write(const std::string& folder) const {
   const Json json = {{"version", version},         {"script", script},
                      {"script_hash", script_hash}, {"files", files},
                      {"worlds", worlds},           {"options", options},
-                     {"shard", shard.text()},      {"experiment", Json::parse(experiment)}};
+                     {"shard", shard.text()},      {"experiment", Json::parse(experiment)},
+                     {"commit", commit()},         {"machine", machine()}};
   write_file(in(folder, "manifest.json"), json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 

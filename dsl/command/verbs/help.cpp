@@ -8,10 +8,10 @@
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/progress.hpp>
+#include <dsl/command/provenance.hpp>
 #include <dsl/command/repl/verbs.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/tools/vocabulary.hpp>
-#include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -39,7 +39,7 @@ int help(const std::string& topic, const std::string& usage) {
 
 void add_version(CommandLine& line) {
   line.add("version", "print the version", [] {
-    print_all(fmt::format("trellis {}\n", version()));
+    print_all(fmt::format("trellis {}\n", version_and_commit()));
     return success;
   });
 }
