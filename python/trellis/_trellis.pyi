@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT-0
+"""Types of the native part. The functions are those that the package calls; call the package's own."""
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
+
+class Error(Exception):
+    """What Trellis reports of an input: a script, a problem, samples."""
+
+    messages: List[str]
+    """One message for each fault, as the program prints them."""
+
+class Strategy:
+    """A hierarchy of guiding spaces with a planner at its root. Immutable; `str` gives it in the language."""
+
+    def __eq__(self, other: object) -> bool: ...
+    def __hash__(self) -> int: ...
+
+class Problem:
+    """A world, a robot, a start, and goals. Immutable."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def names(self) -> List[str]:
+        """The coordinates' names, D of them."""
+    @property
+    def lo(self) -> List[float]:
+        """Lower bounds of the coordinates; metres, or radians of an angle."""
+    @property
+    def hi(self) -> List[float]:
+        """Upper bounds of the coordinates."""
+    @property
+    def weights(self) -> List[float]:
+        """Metres of the metric per unit of the coordinate."""
+    @property
+    def periodic(self) -> List[bool]:
+        """Whether the coordinate wraps from `hi` to `lo`."""
+    @property
+    def rotations(self) -> List[List[str]]:
+        """Of each rotation in space the names of its quaternion's four coordinates."""
+    @property
+    def start(self) -> List[float]: ...
+    @property
+    def goals(self) -> List[List[float]]: ...
+    def valid(self, q: Sequence[float]) -> bool:
+        """Whether the robot at `q` (D numbers) is within its bounds and touches no obstacle.
+
+        Raises `trellis.Error` for another number of coordinates.
+        """
+
+class Script:
+    """What a script returns."""
+
+    @property
+    def path(self) -> str:
+        """The file, "" of a text."""
+    @property
+    def strategies(self) -> Dict[str, Strategy]: ...
+    @property
+    def problems(self) -> Dict[str, Problem]: ...
+    @property
+    def seeds(self) -> List[int]: ...
+    @property
+    def measured(self) -> bool:
+        """Whether its experiment scores samples."""
+    @property
+    def warnings(self) -> List[str]: ...
+
+def version() -> str:
+    """The version of Trellis."""
+
+def commit() -> str:
+    """The commit of its sources, "" where they were no git repository."""
+
+def load(path: str, trust: bool, seed: int) -> Script: ...
+def load_text(text: str, folder: str, trust: bool, seed: int) -> Script: ...
+def strategy(text: str, folder: str) -> Strategy: ...
+def problems(text: str, folder: str) -> List[Problem]: ...
+def run(
+    script: Optional[Script],
+    strategies: Sequence[Tuple[str, Strategy]],
+    problems: Sequence[Problem],
+    seeds: Sequence[int],
+    baseline: Optional[str],
+    measured: bool,
+    jobs: int,
+    ablation: Optional[float],
+    cross: Optional[int],
+    progress: Optional[Callable[[int, int], object]],
+) -> Tuple[str, str, List[str]]: ...
+def measure(
+    case: str,
+    folder: str,
+    samples: memoryview,
+    estimator: str,
+    valid: Union[None, Problem, Callable[[Tuple[float, ...]], bool]],
+) -> Tuple[str, str]: ...
