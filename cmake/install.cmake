@@ -50,6 +50,7 @@ install(PROGRAMS examples/cluster/sweep-parallel DESTINATION ${data}/examples/cl
 install(FILES .luacheckrc ${program} RENAME luacheckrc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis PATTERN site EXCLUDE)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis RENAME copyright)
+install(FILES LICENSES/MIT-0.txt DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
 
 set(printed ${PROJECT_BINARY_DIR}/dsl)
 install(FILES ${printed}/trellis.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT trellis)

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Obstacles merged into convex hulls: S has less free space than C, and every path found in it is valid in C.
 --
 --   trellis run examples/aggregate.lua

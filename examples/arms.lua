@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Arms that are fixed to their base: the path of the tip guides all joints.
 --
 --   trellis run examples/arms.lua --json costs.json

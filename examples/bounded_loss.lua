@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Guides that mislead, without a bound and with the default bound of 2, by which a run costs at most twice what its
 -- planner costs alone on that seed, 800 checks, and one step. See docs/language.md, "What happens at each level".
 

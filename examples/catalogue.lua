@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Every guiding space, alone with an RRT on one scene: the report shows which of them save checks here.
 --
 --   trellis run examples/catalogue.lua

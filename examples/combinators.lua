@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Guides in schedules, races and weighted blends, and instances divided at sub-goals; each combines with all others.
 --
 --   trellis run examples/combinators.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A guide that draws controls: not only where to extend, and from which node, but under which control of the robot.
 --
 --   trellis run examples/controls.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Which part of the measure predicts the checks that guidance saves? Guides of the catalogue over rrt, in 14 worlds.
 --
 --   trellis run examples/correlation.lua --quiet --json nats.json

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Obstacles removed from S by name; each returns when it refutes a path in C.
 --
 --   trellis run examples/drop.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Skeletons feeding lazy checks: a hierarchy of which each level pays.
 --
 --   trellis run examples/gaps.lua

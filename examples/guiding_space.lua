@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- User-defined guiding spaces: f and h in Lua, composed like built-in ones. See docs/guiding_space.md.
 
 -- As the built-in shrink { 0.5, follow = "tube", resolves = 0 }: the robot at half its size in the same world.

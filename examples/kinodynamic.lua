@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Kinodynamic planning: the robot cannot move straight to every configuration. kinodynamic_rrt plans with its motion
 -- model; guides may relax the model.
 --

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Guides whose spaces are built from what the search in C found. Functions with a second parameter, `known`, are called
 -- again when the path is refuted, and when the guide's turn in a sequence comes. See docs/guiding_space.md.
 --

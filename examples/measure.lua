@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The targets of the sampling efficiency, its estimators, and the contribution of each guide of a strategy.
 --
 --   trellis run examples/measure.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The smallest experiment: a strategy and a problem.
 --
 --   trellis run examples/minimal.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Several guides for one planner: weighted mixtures, and sequences that take turns.
 --
 --   trellis run examples/mixtures.lua

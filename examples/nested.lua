@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Skeletons feeding shrunken robots feeding lazy checks: a hierarchy of guiding spaces, beside a plain RRT.
 --
 --   trellis run examples/nested.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The claims of nested.lua, as scenarios.
 --
 --   trellis test examples/nested_test.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A guide that names the node to extend, not only the configuration to extend towards.
 --
 --   trellis run examples/nodes.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Guides in Lua that see the world: shapes have bounds and vertices, and the instance answers questions about
 -- configurations. See docs/guiding_space.md.
 --

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Anytime planners: they shorten their path after the first one, with the same number of proposals each.
 --
 --   trellis run examples/optimal.lua

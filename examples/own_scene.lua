@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A user-defined world and robot.
 --
 --   trellis run examples/own_scene.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The methods of Attali et al. 2022, and further ones, on its three scenes, without tuning for a scene.
 --
 --   trellis run examples/paper.lua --out DIR       what scripts/paper does; docs/paper.md has what came out

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The published experiment again, with the methods as in the library that its authors used: no
 -- effective goal bias, regions never dropped (docs/methods.md). The methods have their own names here, so that reports
 -- list them beside the published values.

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Does guidance pay? The costs of guided strategies relative to RRT-Connect without guides, in rows of false gaps.
 --
 --   trellis run examples/pays.lua --json costs.json

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A learnt subspace: the guide searches an arm of four links in the plane through start and goal along which the
 -- valid configurations vary most.
 --

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Biases without a space (S = {0}), each as the only guide of an RRT.
 --
 --   trellis run examples/samplers.lua

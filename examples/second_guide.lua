@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Does a second guide pay? Hierarchies of two guides in worlds that no strategy was tuned on.
 --
 --   trellis run examples/second_guide.lua --report levels

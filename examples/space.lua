@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A rigid body in space: a plank that has to turn to pass the slot between two blocks.
 --
 --   trellis run examples/space.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A two-joint arm between two obstacles: Figure 1 of Attali et al. 2022.
 --
 --   trellis run examples/two_joint_arm.lua --figures pictures

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Eroded obstacles, so that a narrow passage is wide in S: the guide finds a path through it there, and C follows it.
 --
 --   trellis run examples/widen.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The robot as a free point: its path through the workspace guides the robot's position, but not its angle.
 --
 --   trellis run examples/workspace.lua

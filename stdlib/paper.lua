@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The experiment of Attali et al. 2022: its scenes, its methods, and what goes beyond them
 --
 -- The lists of methods take what shall differ for each one, by its name: paper.methods { irc = { scales = {0.5} } }.

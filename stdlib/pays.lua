@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Does guidance pay? Its cost beside the best planner without a guide
 --
 -- scripts/pays runs this experiment world by world; docs/pays.md has what comes out. A part of it is a script of two

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Named problems, and problems from files
 --
 -- Each function that is named after a scene makes a problem, and takes a table of what shall differ:

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Named strategies
 --
 -- The methods that Attali et al. 2022 evaluate, with their published parameters (docs/methods.md has what was published

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Worlds that a seed generates, and small worlds in which guides mislead
 --
 -- Each function makes a problem, and takes a table of what shall differ:

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The training runs: two paths in a world with two walls, which go into a library of solved problems.
 --
 --   trellis run examples/experience/learn.lua --learn examples/experience/paths.db

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Paths from one world guide in other worlds: Lightning. Run learn.lua first; its comment shows how.
 --
 --   trellis run examples/experience/use.lua

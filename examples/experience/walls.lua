@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The worlds of learn.lua and use.lua: two walls with a narrow gap each, and further obstacles.
 
 return function(...)

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT-0
 // ompl_samples FOLDER: plans with OMPL's RRT, with and without a guide, and writes the input of `trellis measure` to
 // FOLDER. docs/tutorials/measure.md describes it. It does not use Trellis: other programs can record their samples in
 // the same format.

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT-0
 // A planner of one's own: an RRT that extends the nearest of a few random nodes, so that a proposal costs the same in a
 // tree of any size. docs/planner.md explains it.
 #include <optional>

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The planner of main.cpp under guides, at the root and for the search of a level. Run it with my_trellis.
 -- luacheck: read_globals sampled_rrt
 local plain = sampled_rrt { step = 0.4 }

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- BARN, the benchmark of autonomous robot navigation: 25 fields of cylinders. The robot is a disc as wide as the
 -- Jackal, the benchmark's robot; start and goal are those of the reference paths.
 --

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Parking lots and a warehouse of bench-mr, drawn as SVG. The drawings have no queries; these were chosen by hand.
 --
 --   trellis run examples/real/bench_mr.lua --jobs 2

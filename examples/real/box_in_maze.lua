@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A box of 3 m x 0.5 m x 0.5 m in a maze of 30 m x 30 m x 2 m: a plan of the Robotics Library (rl), with its mesh.
 --
 --   trellis run examples/real/box_in_maze.lua

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A benchmark world: the circle world of OMPL's tests, a point among discs, with its 100 queries.
 --
 --   trellis run examples/real/circles.lua --jobs 2

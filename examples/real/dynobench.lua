@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Kinodynamic planning in scenes of dynobench: unicycles of first and second order and a car with a trailer, with the
 -- motion models that the files name. dynobench_geometry.lua beside this plans for the geometry only. The unicycle of
 -- unicycle1_v1/kink_0 can neither stop nor reverse, and has to turn in a pocket: curves succeed, random controls fail.

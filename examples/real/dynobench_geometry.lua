@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Scenes of dynobench: unicycles, a car with a trailer and a planar rotorcraft among boxes. This script plans for their
 -- geometry; dynobench.lua beside it plans with their motion models.
 --

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Which guides pay for rigid bodies in space, in checks and in CPU time: a plank and a slot, and a box in a maze, which
 -- is a plan of the Robotics Library (rl).
 --

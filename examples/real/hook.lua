@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A hook that has to turn through two walls: an environment of Parasol's planning library (PPL), with its query.
 --
 --   trellis run examples/real/hook.lua

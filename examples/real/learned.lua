@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A heuristic learnt from other worlds: it predicts near-optimal paths from features that need no search.
 --
 --   trellis train --data SCENES/mp_datasets --family gaps_and_forest --out examples/real/gaps_and_forest.model

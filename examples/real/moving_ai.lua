@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- City maps of the Moving AI Lab: a point among blocked cells of 1 m. Its queries are sorted by length; these are the
 -- longest ten of Berlin.
 --

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Planar arms of SBPL's benchmarks, with 6 and 20 links, on grids of cells.
 --
 --   trellis run examples/real/sbpl.lua --jobs 2

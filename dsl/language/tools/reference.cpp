@@ -296,7 +296,7 @@ std::string reference_markdown() {
 
 std::string reference_stubs() {
   std::string text =
-      "---@meta\n-- SPDX-License-Identifier: GPL-3.0-or-later\n-- Printed by trellis reference stubs. "
+      "---@meta\n-- SPDX-License-Identifier: MIT-0\n-- Printed by trellis reference stubs. "
       "lua-language-server reads it where its setting\n-- workspace.library names the folder that it lies in.\n"
       "-- luacheck: ignore\n\n";
   for (const ObjectType& type : object_types()) text += stub_class(type);
