@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `trellis repl`: interactive sessions at a terminal, and piped lines.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -86,6 +87,24 @@ TEST_CASE("help describes words, values and the session's own functions") {
   CHECK_THAT(sitting.enter("help(plan)"), Contains("plan(strategy"));
   CHECK_THAT(sitting.enter("help 'plan'"), Contains("plan(strategy"));
   CHECK_THAT(sitting.enter("help(7)"), Contains("nothing is known about 7"));
+}
+
+TEST_CASE("the last value and the inputs before are at hand") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("1 + 2");
+  CHECK_THAT(sitting.enter("2 * _"), Contains("\n6\r\n"));
+  sitting.enter("skeleton() >> rrt { step = 0.5 }");
+  sitting.enter("nested = _");
+  CHECK_THAT(sitting.enter("history(2)"), Contains("   4  nested = _\r\n   5  history(2)\r\n"));
+  CHECK_THAT(sitting.enter("history()"), Contains("   1  1 + 2\r\n   2  2 * _\r\n"));
+  // What is saved gives the same values.
+  sitting.enter("save 'kept.lua'");
+  CHECK_THAT(content(place / "kept.lua"), Contains("-- nested = _\nnested = skeleton() >> rrt()\n"));
+  // The names of all words fit a screen.
+  const std::string names = sitting.enter("help()");
+  CHECK_THAT(names, Contains("session: plan start") && Contains("planners: rrt ") && Contains("help \"shrink\""));
+  CHECK(std::count(names.begin(), names.end(), '\n') < 40);
 }
 
 TEST_CASE("an input continues until it is complete") {

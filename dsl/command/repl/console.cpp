@@ -94,7 +94,7 @@ std::string shown(Stack& stack, Value value) {
   if (value.type() != Type::function) return value_text(stack, value);
   for (const Verb& verb : verbs()) {
     if (push_verbs(stack).field(std::string(verb.name)).identity() != value.identity()) continue;
-    return verb.name == "help" ? verbs_text() : verbs_text(verb.name);
+    return verb.name == "help" ? names_text() : verbs_text(verb.name);
   }
   return value_text(stack, value);
 }
@@ -410,6 +410,12 @@ Console::Verdict Console::run(const std::string& typed, bool more) {
         }
         stack.resize(values);
       }
+      // The last value is _ for the next inputs.
+      if (values > 0 && stack[1].given()) {
+        const Value commands = push_verbs(stack);
+        stack.push(stack[1]);
+        stack.set_field(commands, "_");
+      }
     });
     if (incomplete) {
       state_.last_input = last_input;
@@ -459,8 +465,8 @@ void Console::accept(const std::string& input) {
     statement = statement && chunk;
     for (const lua::GlobalUse& use : lua::global_uses(stack, chunk ? input : "return " + input, "=input")) {
       if (use.set) assigned.insert(use.name);
-      // What a comment has made is not there when the script runs.
-      if (!use.set && state_.lost.contains(use.name)) statement = false;
+      // What a comment has made is not there when the script runs; nor is the value printed last.
+      if (!use.set && (use.name == "_" || state_.lost.contains(use.name))) statement = false;
     }
   });
   state_.accepted.push_back(statement ? input : commented(input));

@@ -42,7 +42,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-constexpr std::array<Verb, 22> all_verbs = {{
+constexpr std::array<Verb, 23> all_verbs = {{
     {"plan", "plan(strategy, problem, { seed = 1 })",
      "runs a strategy; without a problem, one of the script on the script's, others on the last one or "
      "scenes.simple_passage()"},
@@ -74,7 +74,10 @@ constexpr std::array<Verb, 22> all_verbs = {{
      "writes the inputs that succeeded as a script that runs: it requires the loaded one, and returns what was planned "
      "last"},
     {"run", "run(n)", "run n of this session; without n the current one"},
-    {"help", "help(\"shrink\")", "what is known about a word, as shrink? and help shrink; without one, this"},
+    {"history", "history(n)",
+     "the last n inputs with their numbers, 20 without n; _ is the last value that was printed"},
+    {"help", "help(\"shrink\")",
+     "what is known about a word, as shrink? and help shrink; without one, all names; help \"session\" is this"},
     {"source", "source(\"scenes.cup\")", "the lines that define a function, as scenes.cup??"},
     {"quit", "quit()", "ends the session, as exit and Ctrl-D do"},
 }};
@@ -541,12 +544,14 @@ class Verbs {
   int help(Stack& call) const {
     const std::size_t columns = std::min(state_.screen().columns, dsl::help_width);
     if (!call[1].given()) {
-      say(verbs_text("", columns) + "\nhelp(\"words\") lists the words of the language.\n");
+      say(names_text(columns));
       return 0;
     }
     const std::string verb = call[1].type() == Type::object ? "" : verb_of(call, call[1]);
     if (verb == "words") {
       say(dsl::vocabulary_text(columns));
+    } else if (verb == "session") {
+      say(verbs_text("", columns));
     } else {
       const std::string known = verb.empty() ? "" : verbs_text(verb, columns);
       // A word of the language that is a session command too has more to read.
@@ -554,6 +559,21 @@ class Verbs {
                                     [&](const dsl::Word& one) { return one.name == verb && verb != "help"; });
       say(known.empty() || word ? known + dsl::help_text_of(call, call[1], columns) : known);
     }
+    return 0;
+  }
+
+  int history(Stack& call) const {
+    constexpr std::int64_t usual = 20;
+    const auto count = static_cast<std::size_t>(call[1].given() ? natural("history: its number of inputs", call[1], 1)
+                                                                : static_cast<std::uint64_t>(usual));
+    const auto& inputs = state_.inputs;
+    std::string text;
+    for (std::size_t i = inputs.size() - std::min(count, inputs.size()); i < inputs.size(); ++i) {
+      text += fmt::format("{:>4}  ", i + 1);
+      for (const char c : inputs[i]) text += c == '\n' ? std::string("\n      ") : std::string(1, c);
+      text += '\n';
+    }
+    say(text);
     return 0;
   }
 
@@ -920,18 +940,53 @@ std::string field_path(const std::string& table, const std::string& name) {
 }
 
 std::string verbs_text(std::string_view name, std::size_t width) {
+  constexpr std::size_t column = 30;
   std::string text;
-  std::size_t column = 0;
-  for (const Verb& verb : all_verbs) column = std::max(column, verb.usage.size());
   for (const Verb& verb : all_verbs) {
     if (name.empty()) {
-      text += wrap(std::string(verb.summary), width, fmt::format("  {:<{}} ", verb.usage, column),
+      const bool fits = verb.usage.size() <= column;
+      if (!fits) text += fmt::format("  {}\n", verb.usage);
+      text += wrap(std::string(verb.summary), width, fmt::format("  {:<{}} ", fits ? verb.usage : "", column),
                    std::string(column + 3, ' '));
     } else if (name == verb.name) {
       text = wrap(fmt::format("{}: {}", verb.usage, verb.summary), width, "", "  ");
     }
   }
   return text;
+}
+
+std::string names_text(std::size_t width) {
+  std::string text;
+  const auto list = [&](const std::string& title, const std::vector<std::string>& names) {
+    text += wrap(fmt::format("{}", fmt::join(names, " ")), width, title + ": ", "  ");
+  };
+  std::vector<std::string> names;
+  for (const Verb& verb : all_verbs) names.emplace_back(verb.name);
+  list("session", names);
+  using Kind = dsl::Word::Kind;
+  for (const auto& [kind, title] : {std::pair{Kind::planner, "planners"},
+                                    {Kind::guide, "guides"},
+                                    {Kind::target, "targets"},
+                                    {Kind::estimator, "estimators"},
+                                    {Kind::constructor, "values"},
+                                    {Kind::function, "functions"}}) {
+    names.clear();
+    for (const dsl::Word& word : dsl::words()) {
+      if (word.kind == kind && (kind != Kind::function || word.module().empty())) names.push_back(word.name);
+    }
+    list(title, names);
+  }
+  for (const dsl::Word& module : dsl::words()) {
+    if (module.kind != Kind::module) continue;
+    names.clear();
+    for (const dsl::Word& word : dsl::words()) {
+      if (word.module() == module.name) names.push_back(word.name.substr(module.name.size() + 1));
+    }
+    list(module.name, names);
+  }
+  constexpr const char* more =
+      R"(help "shrink" explains a word, help "session" the functions of a session, help "words" lists all with a line each)";
+  return text + '\n' + wrap(more, width, "", "");
 }
 
 Value push_verbs(Stack& stack) { return stack.push_hidden("session commands"); }
@@ -1010,6 +1065,7 @@ void open_verbs(Stack& stack, SessionState& state) {
   add("reload", &Verbs::reload);
   add("save", &Verbs::save);
   add("quit", &Verbs::quit);
+  add("history", &Verbs::history);
   add("help", &Verbs::help);
 }
 

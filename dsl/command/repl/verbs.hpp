@@ -28,6 +28,9 @@ std::span<const Verb> verbs();
 /// Returns their usages and summaries, or those of the named one.
 std::string verbs_text(std::string_view name = "", std::size_t width = dsl::help_width);
 
+/// Returns the names of the session commands and of the words of the language, by kind, on one screen.
+std::string names_text(std::size_t width = dsl::help_width);
+
 /// The state that the session commands share.
 struct SessionState {
   std::function<Screen()> screen;
