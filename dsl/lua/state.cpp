@@ -18,6 +18,28 @@ namespace trellis::lua {
 
 namespace {
 
+/// Names the reason of "attempt to call a world value (local 'world')" in the message at index 1: the local hides a
+/// word of the language.
+void add_hiding_hint(lua_State* state) {
+  const std::string message = lua_type(state, 1) == LUA_TSTRING ? lua_tostring(state, 1) : "";
+  if (message.find("attempt to call") == std::string::npos || !message.ends_with("')")) return;
+  for (const std::string_view kind : {"(local '", "(upvalue '"}) {
+    const std::size_t at = message.rfind(kind);
+    if (at == std::string::npos) continue;
+    const std::size_t begin = at + kind.size();
+    const std::string name = message.substr(begin, message.size() - 2 - begin);
+    lua_pushglobaltable(state);
+    lua_pushlstring(state, name.data(), name.size());
+    const int type = lua_rawget(state, -2);
+    lua_settop(state, 1);
+    if (type == LUA_TNIL) return;
+    const std::string hint = message + "; the local '" + name + "' hides the word of the language: rename it";
+    lua_pushlstring(state, hint.data(), hint.size());
+    lua_replace(state, 1);
+    return;
+  }
+}
+
 /// Formats a message with a traceback. Removes frames without information: those of the script's caller, of `error`
 /// itself, and of the script's main chunk if it is the only frame and the message already has its line.
 std::string tidy(const std::string& message) {
@@ -130,6 +152,7 @@ int Guard::explain(lua_State* state) {
     lua_replace(state, 1);
   }
   lua_settop(state, 1);
+  add_hiding_hint(state);
   luaL_traceback(state, state, lua_tostring(state, 1), 1);
   return 1;
 }

@@ -433,6 +433,89 @@ TEST_CASE("a script alone is run, and a misspelt command is named with the neare
   CHECK(none.status == 2);
 }
 
+TEST_CASE("check names inputs that are valid and probably mistakes") {
+  const Place place;
+  const std::string walls = "world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.8}, box {4, 5.2, 6, 10} }";
+  const std::string ends = ", start = {1, 8, 0}, goal = {9, 2, 0} }";
+  const auto problem = [&](const std::string& robot) {
+    return "problem { world = " + walls + ", robot = " + robot + ends;
+  };
+  const auto strategies = [](const std::string& of, const std::string& more = "") {
+    return "return experiment { problems = { p }, strategies = { " + of + " }" + more + " }\n";
+  };
+  const std::string rim = "the reference point of the robot of problem 'problem' lies ";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"p = " + problem("robot.polygon { {0.3, 0}, {0.9, 0}, {0.9, 0.2}, {0.3, 0.2} }") + "\n" +
+           strategies("a = skeleton() >> rrt {}"),
+       "skeleton() in strategy 'a': " + rim + "outside or on the rim of its body"},
+      {"p = " + problem("robot.polygon { {0, 0}, {0.3, 0}, {0.3, 0.1}, {0, 0.1} }") + "\n" +
+           strategies("a = shrink(0.5) >> skeleton() >> rrt {}"),
+       rim + "outside or on the rim of its body"},
+      {"p = " + problem("robot.rectangle(0.8, 0.6)") + "\n" + strategies("a = rrt {}"),
+       "problem 'problem': the robot fits no gap between start and goal: the widest route is 0.4 m wide, and the robot "
+       "contains a disc of 0.6 m about its reference point"},
+      {"p = scenes.trap()\n" + strategies("a = informed() >> rrt {}"),
+       "informed() in strategy 'a': it changes nothing: it draws uniformly until a path is known, and rrt ends with "
+       "its "
+       "first path; give it the option cost, or a planner that improves its path, such as rrt_star"},
+      {"p = scenes.trap()\n" + strategies("a = rrt { step = 0.5 }, b = skeleton() >> rrt { step = 1 }"),
+       "strategy 'b': its step is 1 m, and that of the baseline 'a' 0.5 m: the comparison shows the step and the guide "
+       "together"},
+      {"p = scenes.trap()\n" + strategies("a = rrt {}", ", seed = 15"),
+       "hint.lua:2: experiment: seed = 15 runs the seed 15 alone; seeds = 15 runs the seeds 1 to 15"},
+      {"p = scenes.trap()\n" + strategies("a = rrt {}", ", seeds = {1, 2}, seed = 15"),
+       "hint.lua:2: experiment: seed = 15 has no effect beside a list of seeds"},
+  };
+  for (const auto& [script, warning] : cases) {
+    place.script("hint.lua", script);
+    const auto outcome = place.run({"check", "hint.lua"});
+    INFO(script << outcome.err);
+    CHECK(outcome.status == 0);
+    CHECK(outcome.err.starts_with("trellis: warning: "));
+    CHECK(outcome.err.find(warning) != std::string::npos);
+    CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+  }
+  for (const std::string& script :
+       {"p = " + problem("robot.rectangle(0.6, 0.2)") + "\n" + strategies("a = rrt {}, b = skeleton() >> rrt {}"),
+        "p = scenes.trap()\n" + strategies("a = informed() >> rrt_star {}, b = informed { cost = 20 } >> rrt {}"),
+        "p = scenes.trap()\n" +
+            strategies("a = rrt { step = 1 }, b = rrt { step = 2 }, c = skeleton() >> rrt { step = 2 }",
+                       ", seeds = 3, seed = 15, baseline = 'a'")}) {
+    place.script("hint.lua", script);
+    const auto outcome = place.run({"check", "hint.lua"});
+    INFO(script << outcome.err);
+    CHECK(outcome.status == 0);
+    CHECK(outcome.err.empty());
+  }
+  // The advice after runs that failed names the reason, too.
+  place.script("hint.lua",
+               "p = " + problem("robot.rectangle(0.8, 0.6)") + "\n" + strategies("a = rrt { proposals = 100 }"));
+  CHECK(place.run({"run", "hint.lua"}).out.find("the robot fits no gap between start and goal") != std::string::npos);
+}
+
+TEST_CASE("errors of frequent mistakes say how to mend them") {
+  const Place place;
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"local world = world { bounds = {0, 0, 10, 10} }\nlocal w = world { bounds = {0, 0, 1, 1} }\n",
+       "wrong.lua:2: attempt to call a world value (local 'world'); the local 'world' hides the word of the language: "
+       "rename it"},
+      {"return rrt {}, scenes.trap\n",
+       "what follows the strategy must be a problem or a list of problems, got a function; call it, as scenes.trap()"},
+      {"return rrt { stepsize = 0.5 }, scenes.trap()\n", "rrt: unknown option 'stepsize' (did you mean 'step'?)"},
+  };
+  for (const auto& [script, message] : cases) {
+    place.script("wrong.lua", script);
+    const auto outcome = place.run({"check", "wrong.lua"});
+    INFO(outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.err.find(message) != std::string::npos);
+  }
+  CHECK(place.run({"help", "step"}).out.starts_with("step is no word; it is an option or a field\n\nof rrt"));
+  CHECK(place.run({"help", "arm"}).out.find("robot.arm") != std::string::npos);
+  CHECK(place.run({"help", "obstacle"}).out.find("obstacle_based") != std::string::npos);
+  CHECK(place.run({"help", "zebra"}).status == 2);
+}
+
 TEST_CASE("the program prints its version and its words") {
   const Place place;
   // With the commit where the sources are a git repository.

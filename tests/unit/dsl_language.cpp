@@ -272,6 +272,14 @@ TEST_CASE("help has every word and each of its options") {
   CHECK_THROWS_WITH(dsl::help_text("planner.shrink"), Catch::Contains("no help on 'planner.shrink'"));
 }
 
+TEST_CASE("help on a name that is no word has its options, else the words near it") {
+  const std::string step = dsl::help_text("step", 100000);
+  CHECK(step.starts_with("step is no word; it is an option or a field\n\nof rrt, rrt_connect"));
+  CHECK(step.find("longest extension") != std::string::npos);
+  CHECK(dsl::help_text("arm").find("\n  robot.arm ") != std::string::npos);
+  CHECK(dsl::help_text("obstacle").find("\n  obstacle_based ") != std::string::npos);
+}
+
 TEST_CASE("help lists the options of a function of the standard library, with its own defaults") {
   const std::string irc = dsl::help_text("strategies.irc");
   CHECK(irc.starts_with("strategies.irc: ever larger robots"));

@@ -86,6 +86,9 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
   std::vector<std::string> faults = session.unknown_names(source, script);
   std::vector<std::string> warnings = program.warnings;
   for (std::string& warning : input_warnings(experiment)) warnings.push_back(std::move(warning));
+  for (const Problem& problem : experiment.problems) {
+    if (std::string warning = narrow_warning(problem); !warning.empty()) warnings.push_back(std::move(warning));
+  }
   for (const auto& [name, strategy] : experiment.strategies) {
     std::set<std::string> spaces;  // check one problem per space
     for (const Problem& problem : experiment.problems) {

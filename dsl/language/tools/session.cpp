@@ -97,7 +97,8 @@ Program Session::load(const std::string& text, const std::string& name) {
       };
     }
   }
-  program.warnings = take_warnings();
+  const std::vector<std::string> warnings = take_warnings();
+  program.warnings.insert(program.warnings.begin(), warnings.begin(), warnings.end());
   program.uncalled = [given = book_->given] {
     std::vector<Uncalled> sentences;
     for (const Callback& callback : *given) {

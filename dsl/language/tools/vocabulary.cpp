@@ -156,6 +156,58 @@ std::string report_words(const std::string& name, std::size_t width) {
   return text.empty() ? "" : "in reports:\n" + text;
 }
 
+/// Whether `part` is one of the parts of `text` that blanks, dots, underscores and the like separate.
+bool has_part(std::string_view text, std::string_view part) {
+  const auto letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) {
+    std::size_t end = at + part.size();
+    if (end < text.size() && text[end] == 's') ++end;  // a plural
+    if ((at == 0 || !letter(text[at - 1])) && (end == text.size() || !letter(text[end]))) return true;
+  }
+  return false;
+}
+
+/// Returns the options and fields of this name, each meaning once with the words that have it; "" for none.
+std::string options_text(const std::string& name, std::size_t width) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> meanings;
+  const auto add = [&](const std::string& meaning, const std::string& word) {
+    const auto found =
+        std::find_if(meanings.begin(), meanings.end(), [&](const auto& entry) { return entry.first == meaning; });
+    auto& entry = found != meanings.end() ? *found : meanings.emplace_back(meaning, std::vector<std::string>());
+    entry.second.push_back(word);
+  };
+  for (const Word& word : words()) {
+    for (const Option& option : word.options) {
+      if (option.name == name) add(rows_of(option, width), word.name);
+    }
+    for (const Field& field : word.fields) {
+      if (field.name == name) add(rows_of(field, width), word.name);
+    }
+  }
+  if (meanings.empty()) return "";
+  std::string text = fmt::format("{} is no word; it is an option or a field\n", name);
+  for (const auto& [meaning, of] : meanings) {
+    text += '\n' + lines(fmt::format("of {}:", fmt::join(of, ", ")), width) + meaning;
+  }
+  return text;
+}
+
+/// Returns the words that have `name` as a part, then those whose summary names it; "" for none.
+std::string near_words(const std::string& name, std::size_t width) {
+  constexpr std::size_t most = 12;
+  std::vector<const Word*> found;
+  for (const bool by_name : {true, false}) {
+    for (const Word& word : words()) {
+      const bool named = has_part(word.name, name);
+      if (named == by_name && (named || has_part(word.summary, name)) && found.size() < most) found.push_back(&word);
+    }
+  }
+  if (found.empty()) return "";
+  std::string text = fmt::format("{} is no word; near it are\n\n", name);
+  for (const Word* word : found) text += row(word->name, word->summary, width);
+  return text;
+}
+
 }  // namespace
 
 std::string vocabulary_text(std::size_t width) {
@@ -211,6 +263,9 @@ std::string help_text(const std::string& name, std::size_t width) {
     return text_of(type, width) + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", name, inside));
   }
   if (!in_reports.empty()) return in_reports;
+  for (const std::string& text : {options_text(name, width), near_words(name, width)}) {
+    if (!text.empty()) return text;
+  }
   for (const ReportTerm& term : report_terms()) known.push_back(term.name);
   throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", name, did_you_mean(name, known)));
 }

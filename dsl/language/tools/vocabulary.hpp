@@ -15,8 +15,9 @@ std::string vocabulary_text(std::size_t width = help_width);
 
 /// Returns the help on a word: its summary, arguments, fields and options; for a module its content; for a type of
 /// values ("strategy", "trellis.Strategy") its operators and members. The kind may precede the word: "guide.shrink".
+/// For a name that is no word: the options of that name, else the words near it.
 /// \param width  in columns; lines are wrapped at words
-/// \throws Error with the nearest valid word.
+/// \throws Error with the nearest valid word, for any other name.
 std::string help_text(const std::string& name, std::size_t width = help_width);
 
 }  // namespace trellis::dsl

@@ -49,6 +49,18 @@ const Settings<ExperimentSettings>& experiment_settings() {
   return settings;
 }
 
+/// Warns of a field `seed` that runs one seed, or changes nothing.
+void warn_of_seed(const Arguments& arguments, Program& program, Stack& call) {
+  const Value seeds = arguments["seeds"];
+  if (program.seed == 1 || !arguments["seed"].given() || seeds.type() == Type::number) return;
+  const auto position = call.where();
+  program.warnings.push_back(fmt::format(
+      "{}experiment: {}", position ? position->prefix() : "",
+      seeds.given()
+          ? fmt::format("seed = {} has no effect beside a list of seeds", program.seed)
+          : fmt::format("seed = {0} runs the seed {0} alone; seeds = {0} runs the seeds 1 to {0}", program.seed)));
+}
+
 /// Reads problems from a problem, a list of problems, and nested lists, in order.
 class ProblemReader {
  public:
@@ -62,7 +74,8 @@ class ProblemReader {
     }
     if (value.type() != Type::table) {
       ++faults_;
-      throw Error(fmt::format("{}{} must be a problem or a list of problems, got {}", prefix_, what, describe(value)));
+      throw Error(fmt::format("{}{} must be a problem or a list of problems, got {}{}", prefix_, what, describe(value),
+                              value.type() == Type::function ? "; call it, as scenes.trap()" : ""));
     }
     const auto within = lists_.enter(value, what);
     const lua::Keys keys = value.keys();
@@ -275,6 +288,7 @@ int make_experiment(Stack& call) {
     strategies_read = faults.attempt([&] { experiment.strategies = read_strategies(arguments, "experiment"); });
   }
   faults.attempt([&] { experiment.seeds = read_seeds(arguments, "experiment", program.seed, 1); });
+  warn_of_seed(arguments, program, call);
   if (valid) {
     faults.attempt([&] { experiment.measure = read_measure(arguments, settings); });
   }

@@ -178,7 +178,16 @@ std::string suggestion(const std::string& given, const std::vector<std::string>&
     const bool there = std::find(known.begin(), known.end(), option) != known.end();
     if (given == name && there) return fmt::format(" (did you mean '{}'?)", option);
   }
-  return did_you_mean(given, known);
+  std::string near = did_you_mean(given, known);
+  if (!near.empty()) return near;
+  // The longest option that the name begins with: stepsize, step_length.
+  constexpr std::size_t least = 4;
+  const std::string* longest = nullptr;
+  for (const std::string& name : known) {
+    const bool longer = longest == nullptr || name.size() > longest->size();
+    if (name.size() >= least && given.starts_with(name) && longer) longest = &name;
+  }
+  return longest != nullptr ? fmt::format(" (did you mean '{}'?)", *longest) : "";
 }
 
 }  // namespace

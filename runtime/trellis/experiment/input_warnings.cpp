@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -16,9 +17,12 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/targets.hpp>
+#include <trellis/instance/instance.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/planner/planner.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 #include <trellis/scene/planar/triangulation.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 
@@ -123,6 +127,92 @@ bool separated(const Problem& problem) {
     });
   } catch (const Error&) {
     return false;  // a world that has no such triangulation
+  }
+}
+
+namespace {
+
+/// A point of the medial axis, and groups of them that are joined.
+class WidestRoutes {
+ public:
+  explicit WidestRoutes(std::size_t points) : parent_(points) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  void join(std::size_t a, std::size_t b) { parent_[root(a)] = root(b); }
+  [[nodiscard]] bool joined(std::size_t a, std::size_t b) { return root(a) == root(b); }
+
+ private:
+  std::size_t root(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  std::vector<std::size_t> parent_;
+};
+
+}  // namespace
+
+std::string narrow_warning(const Problem& problem) {
+  constexpr std::size_t most_obstacles = 200;  // a tenth of a second
+  constexpr double rounding = 1e-6;
+  const PlanarScene* scene = problem.scene->planar();
+  if (scene == nullptr || scene->world.obstacles().size() > most_obstacles || problem.reach) return "";
+  if (!problem.scene->translates() || problem.scene->inscribed_radius() <= 0.0 || problem.goals.empty()) return "";
+  if (problem.space.dimension() < 2 || !problem.space.flat()) return "";
+  if (problem.space.axes()[0].periodic || problem.space.axes()[1].periodic) return "";
+  const double radius = problem.scene->inscribed_radius();
+  try {
+    const double spacing = problem.scene->diagonal() / 200.0;
+    const Skeleton axis = medial_axis(scene->world, spacing);
+    const auto point = problem.scene->of_point();
+    const Space plane = point->default_space(1.0);
+    const auto validity = make_validity("planar", point, plane, problem.resolution, nullptr);
+    // Links between points of the axis, with the least clearance on them; then those of start and goals.
+    struct Link {
+      double clearance;
+      std::size_t from, to;
+    };
+    std::vector<Link> links;
+    const std::size_t ends = 1 + problem.goals.size();
+    std::size_t count = ends + axis.vertices.size();
+    const auto view = [](Vec2 p) { return Configuration{p.x, p.y}; };
+    std::vector<std::pair<Vec2, std::size_t>> samples;
+    std::vector<double> clearances;
+    for (const Skeleton::Edge& edge : axis.edges) {
+      std::size_t before = ends + edge.from;
+      for (std::size_t i = 0; i < edge.points.size(); ++i) {
+        const std::size_t at = i == 0 ? before : i + 1 == edge.points.size() ? ends + edge.to : count++;
+        samples.emplace_back(edge.points[i], at);
+        clearances.push_back(edge.clearance[i]);
+        if (i > 0) links.push_back({std::min(edge.clearance[i - 1], edge.clearance[i]), before, at});
+        before = at;
+      }
+    }
+    if (samples.empty()) return "";
+    for (std::size_t end = 0; end < ends; ++end) {
+      const Configuration& q = end == 0 ? problem.start : problem.goals[end - 1];
+      const Configuration from = {q[0], q[1]};
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (!validity->motion(from, view(samples[i].first)).valid) continue;
+        // A robot at its start is where it fits, whatever the samples about it.
+        const double apart = std::hypot(samples[i].first.x - q[0], samples[i].first.y - q[1]);
+        const bool about = apart <= clearances[i] + 2.0 * spacing;
+        links.push_back({about ? std::max(clearances[i], radius) : clearances[i], end, samples[i].second});
+      }
+    }
+    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.clearance > b.clearance; });
+    WidestRoutes routes(count);
+    for (const Link& link : links) {
+      routes.join(link.from, link.to);
+      for (std::size_t goal = 1; goal < ends; ++goal) {
+        if (!routes.joined(0, goal)) continue;
+        if (link.clearance >= radius * (1.0 - rounding)) return "";
+        return fmt::format(
+            "problem '{}': the robot fits no gap between start and goal: the widest route is {:.3g} m wide, and the "
+            "robot contains a disc of {:.3g} m about its reference point",
+            problem.name, 2.0 * link.clearance, 2.0 * radius);
+      }
+    }
+    return "";  // separated, or not joined to the axis
+  } catch (const Error&) {
+    return "";  // a world without free space
   }
 }
 
@@ -236,10 +326,38 @@ void find_single_tree_of_arm(const GuideSpec& guide, const Problem& problem, con
            warnings);
 }
 
-void find_useless(const GuideSpec& guide, const Problem& problem, const std::string& strategy,
-                  std::vector<std::string>& warnings) {
+/// Warns of a skeleton for a robot that has no disc about its reference point: it then plans for a point.
+void find_reference_at_rim(const GuideSpec& guide, const Problem& problem, const std::string& where,
+                           std::vector<std::string>& warnings) {
+  constexpr double least = 0.01;  // of the bounding radius
+  const Scene& scene = *problem.scene;
+  if (!std::get<bool>(guide.options().at("prune")) || scene.is_point() || !scene.translates()) return;
+  if (scene.inscribed_radius() > least * scene.bounding_radius()) return;
+  add_once(
+      fmt::format("{}: the reference point of the robot of problem '{}' lies {} its body, so that the guide plans "
+                  "for a point and keeps gaps that are too narrow for the robot; give the body about a point well "
+                  "inside it, and start and goal for this point",
+                  where, problem.name, scene.inscribed_radius() > 0.0 ? "near the rim of" : "outside or on the rim of"),
+      warnings);
+}
+
+/// Warns of `informed` under a planner that ends at its first path: until then the guide draws uniformly.
+void find_uninformed(const GuideSpec& guide, const PlannerSpec& planner, const std::string& where,
+                     std::vector<std::string>& warnings) {
+  const PlannerKind* kind = find_planner(planner.name());
+  const bool anytime = kind != nullptr && kind->component->find("improve") != nullptr;
+  if (anytime || std::isfinite(std::get<double>(guide.options().at("cost")))) return;
+  add_once(fmt::format("{}: it changes nothing: it draws uniformly until a path is known, and {} ends with its first "
+                       "path; give it the option cost, or a planner that improves its path, such as rrt_star",
+                       where, planner.name()),
+           warnings);
+}
+
+/// \param planner  that the guide's proposals are for
+void find_useless(const GuideSpec& guide, const PlannerSpec& planner, const Problem& problem,
+                  const std::string& strategy, std::vector<std::string>& warnings) {
   if (guide.kind() != GuideSpec::Kind::component) {
-    for (const auto& term : guide.terms()) find_useless(term.guide, problem, strategy, warnings);
+    for (const auto& term : guide.terms()) find_useless(term.guide, planner, problem, strategy, warnings);
     return;
   }
   if (guide.name() == "shrink" && !guide.custom() && problem.scene->is_point()) {
@@ -253,8 +371,45 @@ void find_useless(const GuideSpec& guide, const Problem& problem, const std::str
     if (guide.name() == "joints") find_numbered_axes(guide, problem, where, warnings);
     if (guide.name() == "experience" || guide.name() == "path_database") find_library(guide, problem, where, warnings);
     if (guide.name() == "learned") find_model(guide, where, warnings);
+    if (guide.name() == "skeleton") find_reference_at_rim(guide, problem, where, warnings);
+    if (guide.name() == "informed") find_uninformed(guide, planner, where, warnings);
   }
-  if (guide.below() != nullptr) find_useless(*guide.below(), problem, strategy, warnings);
+  if (guide.below() != nullptr && guide.planner()) {
+    find_useless(*guide.below(), *guide.planner(), problem, strategy, warnings);
+  }
+}
+
+/// Returns the planner's longest extension; none where it has no such option.
+std::optional<double> step_of(const PlannerSpec& planner) {
+  const PlannerKind* kind = find_planner(planner.name());
+  if (kind == nullptr || kind->component->find("step") == nullptr) return std::nullopt;
+  const auto* step = std::get_if<double>(&planner.options().at("step"));
+  return step != nullptr ? std::optional(*step) : std::nullopt;
+}
+
+/// Warns of guided strategies whose planner has a step of its own: the comparison is then one of steps too.
+void find_unequal_steps(const Experiment& experiment, std::vector<std::string>& warnings) {
+  const std::string baseline = baseline_of(experiment);
+  const auto& strategies = experiment.strategies;
+  const auto of =
+      std::find_if(strategies.begin(), strategies.end(), [&](const auto& s) { return s.first == baseline; });
+  if (of == strategies.end() || of->second.guide() != nullptr) return;
+  const std::optional<double> usual = step_of(of->second.planner());
+  if (!usual) return;
+  for (const auto& [name, strategy] : strategies) {
+    const std::optional<double> step = step_of(strategy.planner());
+    if (strategy.guide() == nullptr || !step || *step == *usual) continue;
+    // Another strategy without guides may have this step.
+    const bool fair = std::any_of(strategies.begin(), strategies.end(), [&](const auto& other) {
+      return other.second.guide() == nullptr && step_of(other.second.planner()) == step;
+    });
+    if (fair) continue;
+    warnings.push_back(
+        fmt::format("strategy '{}': its step is {:g} m, and that of the baseline '{}' {:g} m: the comparison shows the "
+                    "step and the "
+                    "guide together",
+                    name, *step, baseline, *usual));
+  }
 }
 
 /// Warns of targets and estimators that have no figure in the problem's space.
@@ -308,9 +463,12 @@ std::vector<std::string> input_warnings(const Experiment& experiment) {
     }
     if (experiment.measure) find_unmeasurable(*experiment.measure, problem, warnings);
     for (const auto& [name, strategy] : experiment.strategies) {
-      if (strategy.guide() != nullptr) find_useless(*strategy.guide(), problem, name, warnings);
+      if (strategy.guide() != nullptr) {
+        find_useless(*strategy.guide(), strategy.planner(), problem, name, warnings);
+      }
     }
   }
+  find_unequal_steps(experiment, warnings);
   return warnings;
 }
 

@@ -344,6 +344,9 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
       if (of_section != problems.end() && separated(*of_section)) {
         return fmt::format("no run on {} can succeed: obstacles separate start and goal", section.problem);
       }
+      if (const std::string narrow = of_section != problems.end() ? narrow_warning(*of_section) : ""; !narrow.empty()) {
+        return narrow;
+      }
       return fmt::format(
           "{} solves {} of {}: give its planner more `proposals`, or see --report levels for where it "
           "stopped",
