@@ -21,6 +21,11 @@
 //   <!-- terminal: 80 x 30 -->    the size of the terminal from here on
 //   <!-- not run: WHY -->         it is compiled only
 //
+// A comment below a block names the figures of it that prose quotes, perhaps rounded, so that a change of what is
+// printed leads to the prose:
+//
+//   <!-- figures: 2.18 | 0.42 -->  each stands in the block above
+//
 // TRELLIS_DOCUMENT=docs/tutorials/tutorial.md in the environment reads one document only. With TRELLIS_UPDATE_GOLDEN
 // set, what is shown is written anew where it is not what is printed, to be read before it is kept.
 #include <algorithm>
@@ -423,7 +428,7 @@ TEST_CASE("every block of the documents says what it is", "[documents]") {
       INFO(name_of(path) << ":" << block.line << ": ```" << block.language << ", <!-- " << block.mark << " -->");
       const bool runs = block.language == "lua" || block.language == "sh" || block.language == "console";
       const bool known = runs || block.language == "cpp" || block.language == "json" || block.language == "text" ||
-                         block.language == "python";
+                         block.language == "python" || block.language == "bibtex";
       CHECK(known);
       if (mark.empty() || mark == "terminal" || mark == "laws") {
         CHECK(runs);
@@ -450,6 +455,52 @@ TEST_CASE("the documents' links lead somewhere", "[documents]") {
       CHECK(std::find(headings.begin(), headings.end(), link.substr(hash + 1)) != headings.end());
     }
   }
+}
+
+TEST_CASE("figures that prose quotes stand in the block above it", "[documents]") {
+  const std::regex mark("^<!-- figures: (.*) -->$");
+  for (const fs::path& path : documents()) {
+    std::istringstream lines(content(path));
+    std::string block;
+    bool fenced = false;
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ++number;
+      if (line.starts_with("```")) {
+        fenced = !fenced;
+        if (fenced) block.clear();
+        continue;
+      }
+      if (fenced) block += line + "\n";
+      std::smatch found;
+      if (fenced || !std::regex_match(line, found, mark)) continue;
+      std::istringstream figures(found[1].str());
+      for (std::string figure; std::getline(figures, figure, '|');) {
+        figure = std::regex_replace(figure, std::regex("^ +| +$"), "");
+        INFO(name_of(path) << ":" << number << ": the block above does not show " << figure
+                           << "; read the prose about it again");
+        CHECK_FALSE(figure.empty());
+        const std::string exact = std::regex_replace(figure, std::regex(R"([.\[\](){}*+?^$|\\])"), R"(\$&)");
+        CHECK(std::regex_search(block, std::regex("(^|[^0-9.])" + exact + "($|[^0-9])")));
+      }
+    }
+  }
+}
+
+TEST_CASE("README.md has every verb of the program", "[documents]") {
+  const Place place;
+  const std::string help = place.run({"--help"}).out;
+  const std::string readme = content(source / "README.md");
+  std::istringstream lines(help.substr(help.find("Subcommands:")));
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch verb;
+    if (!std::regex_search(line, verb, std::regex("^  ([a-z]+) "))) continue;
+    INFO(verb[1]);
+    CHECK(std::regex_search(readme, std::regex("`trellis " + verb[1].str() + "[ `]")));
+    ++count;
+  }
+  CHECK(count > 15);
 }
 
 TEST_CASE("the map lists every page once", "[documents]") {
