@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include <trellis/base/errors.hpp>
+#include <trellis/reader/robot_files.hpp>
+#include <trellis/reader/xml_entry.hpp>
+
+namespace trellis {
+
+namespace {
+
+class SrdfReader {
+ public:
+  SrdfReader(const SourceText& text, const KinematicTree& tree)
+      : tree_(tree), robot_(XmlEntry::root(text, "robot")), groups_(robot_.children("group")) {}
+
+  SrdfFile read() {
+    for (const XmlEntry& entry : groups_) {
+      errors_.attempt([&] {
+        std::set<std::string> open;
+        std::set<std::size_t> joints;
+        add_group(entry, joints, open);
+        file_.groups.push_back({entry.word("name"), {joints.begin(), joints.end()}});
+      });
+    }
+    for (const XmlEntry& entry : robot_.children("group_state")) errors_.attempt([&] { read_state(entry); });
+    for (const XmlEntry& entry : robot_.children("disable_collisions")) {
+      errors_.attempt([&] {
+        const std::size_t a = link(entry, "link1");
+        const std::size_t b = link(entry, "link2");
+        file_.disabled.emplace_back(std::min(a, b), std::max(a, b));
+      });
+    }
+    errors_.raise();
+    std::sort(file_.disabled.begin(), file_.disabled.end());
+    file_.disabled.erase(std::unique(file_.disabled.begin(), file_.disabled.end()), file_.disabled.end());
+    return std::move(file_);
+  }
+
+ private:
+  template <class Part>
+  static std::vector<std::string> names_of(const std::vector<Part>& parts) {
+    std::vector<std::string> names;
+    names.reserve(parts.size());
+    for (const Part& part : parts) names.push_back(part.name);
+    return names;
+  }
+
+  [[nodiscard]] std::size_t link(const XmlEntry& entry, const char* attribute) const {
+    const std::string name = entry.word(attribute);
+    if (const auto found = tree_.find_link(name)) return *found;
+    throw entry.error(fmt::format("the robot has no link '{}'{}", name, did_you_mean(name, names_of(tree_.links()))));
+  }
+  [[nodiscard]] std::size_t joint(const XmlEntry& entry, const char* attribute) const {
+    const std::string name = entry.word(attribute);
+    if (const auto found = tree_.find_joint(name)) return *found;
+    throw entry.error(fmt::format("the robot has no joint '{}'{}", name, did_you_mean(name, names_of(tree_.joints()))));
+  }
+
+  void add_joint(std::size_t j, std::set<std::size_t>& joints) const {
+    if (tree_.joints()[j].width() > 0) joints.insert(j);
+  }
+
+  /// Adds the joints of a group, of its chains, links and groups.
+  void add_group(const XmlEntry& entry, std::set<std::size_t>& joints, std::set<std::string>& open) const {
+    const std::string name = entry.word("name");
+    if (!open.insert(name).second) throw entry.error(fmt::format("group '{}' contains itself", name));
+    for (const XmlEntry& part : entry.children()) {
+      const std::string kind = part.name();
+      if (kind == "joint") {
+        // The virtual joint connects the robot to the world: it is no joint of the URDF.
+        if (!is_virtual(part.word("name"))) add_joint(joint(part, "name"), joints);
+      } else if (kind == "link") {
+        if (const auto j = tree_.joint_of(link(part, "name"))) add_joint(*j, joints);
+      } else if (kind == "chain") {
+        add_chain(part, joints);
+      } else if (kind == "group") {
+        const std::string inner = part.word("name");
+        const auto found = std::find_if(groups_.begin(), groups_.end(),
+                                        [&](const XmlEntry& g) { return g.has("name") && g.word("name") == inner; });
+        if (found == groups_.end()) throw part.error(fmt::format("there is no group '{}'", inner));
+        add_group(*found, joints, open);
+      }
+    }
+    open.erase(name);
+  }
+
+  void add_chain(const XmlEntry& part, std::set<std::size_t>& joints) const {
+    const std::size_t base = link(part, "base_link");
+    for (std::size_t at = link(part, "tip_link"); at != base;) {
+      const auto j = tree_.joint_of(at);
+      if (!j)
+        throw part.error(
+            fmt::format("no chain leads from '{}' to '{}'", part.word("base_link"), part.word("tip_link")));
+      add_joint(*j, joints);
+      at = tree_.joints()[*j].parent;
+    }
+  }
+
+  [[nodiscard]] bool is_virtual(const std::string& name) const {
+    const auto all = robot_.children("virtual_joint");
+    return std::any_of(all.begin(), all.end(),
+                       [&](const XmlEntry& one) { return one.has("name") && one.word("name") == name; });
+  }
+
+  void read_state(const XmlEntry& entry) {
+    SrdfFile::State state{entry.word("name"), entry.word("group"), {}};
+    const std::vector<std::string> known = names_of(file_.groups);
+    if (std::find(known.begin(), known.end(), state.group) == known.end()) {
+      throw entry.error(fmt::format("there is no group '{}'{}", state.group, did_you_mean(state.group, known)));
+    }
+    for (const XmlEntry& part : entry.children("joint")) {
+      if (is_virtual(part.word("name"))) continue;
+      const std::size_t j = joint(part, "name");
+      state.values.emplace_back(j, std::vector<double>{part.number("value")});
+    }
+    file_.states.push_back(std::move(state));
+  }
+
+  const KinematicTree& tree_;
+  XmlEntry robot_;
+  std::vector<XmlEntry> groups_;
+  SrdfFile file_;
+  ErrorList errors_;
+};
+
+}  // namespace
+
+SrdfFile read_srdf(const std::string& path, const KinematicTree& tree) {
+  const SourceText text = SourceText::load(path);
+  return SrdfReader(text, tree).read();
+}
+
+}  // namespace trellis

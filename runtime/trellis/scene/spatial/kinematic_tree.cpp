@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/spatial/kinematic_tree.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Two directions across an axis, such that the three are right-handed; x and y for the axis z.
+std::pair<Vec3, Vec3> across(const Vec3& axis) {
+  const Vec3 other = std::abs(axis.x) < 0.9 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+  const Vec3 first = other - dot(other, axis) * axis;
+  const Vec3 u = (1.0 / norm(first)) * first;
+  return {u, cross(axis, u)};
+}
+
+/// The pose of a joint's child frame in the joint's frame.
+Pose3 moved(Joint::Kind kind, const Vec3& axis, View values) {
+  switch (kind) {
+    case Joint::Kind::fixed: return {};
+    case Joint::Kind::revolute:
+    case Joint::Kind::continuous: return {{}, rotation_of(values[0] * axis)};
+    case Joint::Kind::prismatic: return {values[0] * axis, {}};
+    case Joint::Kind::planar: {
+      const auto [u, v] = across(axis);
+      return {values[0] * u + values[1] * v, rotation_of(values[2] * axis)};
+    }
+    case Joint::Kind::floating:
+      return {{values[0], values[1], values[2]}, normalised({values[3], values[4], values[5], values[6]})};
+  }
+  throw Fault("unknown kind of joint");
+}
+
+std::size_t width_of(Joint::Kind kind) {
+  switch (kind) {
+    case Joint::Kind::fixed: return 0;
+    case Joint::Kind::planar: return 3;
+    case Joint::Kind::floating: return 7;
+    default: return 1;
+  }
+}
+
+}  // namespace
+
+const char* to_string(Joint::Kind kind) {
+  switch (kind) {
+    case Joint::Kind::fixed: return "fixed";
+    case Joint::Kind::revolute: return "revolute";
+    case Joint::Kind::continuous: return "continuous";
+    case Joint::Kind::prismatic: return "prismatic";
+    case Joint::Kind::planar: return "planar";
+    case Joint::Kind::floating: return "floating";
+  }
+  throw Fault("unknown kind of joint");
+}
+
+std::size_t Joint::width() const { return mimic ? 0 : width_of(kind); }
+
+KinematicTree::KinematicTree(std::string name, std::vector<Link> links, std::vector<Joint> joints)
+    : name_(std::move(name)), links_(std::move(links)), joints_(std::move(joints)) {
+  if (links_.empty()) throw Error(fmt::format("robot '{}' has no link", name_));
+  if (links_.size() > most_links) {
+    throw Error(fmt::format("robot '{}' has {} links; at most {} are possible", name_, links_.size(), most_links));
+  }
+  check_joints();
+  order();
+  body_of_.resize(links_.size());
+  body_of_[base_] = base_;
+  for (const Joint& joint : joints_) {
+    body_of_[joint.child] = joint.kind == Joint::Kind::fixed ? body_of_[joint.parent] : joint.child;
+  }
+}
+
+void KinematicTree::check_joints() const {
+  for (const Joint& joint : joints_) {
+    const auto fail = [&](const std::string& fault) { throw Error(fmt::format("joint '{}' {}", joint.name, fault)); };
+    if (joint.parent >= links_.size() || joint.child >= links_.size()) throw Fault("a joint of no link");
+    if (!(std::abs(norm(joint.axis) - 1.0) < 1e-6)) fail("has an axis that is not of length 1");
+    const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
+    if (limited && (!std::isfinite(joint.lo) || !std::isfinite(joint.hi) || joint.lo > joint.hi)) {
+      fail(fmt::format("has limits from {:g} to {:g}", joint.lo, joint.hi));
+    }
+    if (!joint.mimic) continue;
+    if (joint.mimic->joint >= joints_.size()) throw Fault("a joint that follows none");
+    const Joint& leader = joints_[joint.mimic->joint];
+    if (leader.mimic) fail(fmt::format("follows '{}', which follows another joint itself", leader.name));
+    if (width_of(leader.kind) != 1) fail(fmt::format("follows '{}', which is {}", leader.name, to_string(leader.kind)));
+    if (width_of(joint.kind) != 1) fail(fmt::format("is {} and follows '{}'", to_string(joint.kind), leader.name));
+    if (!std::isfinite(joint.mimic->multiplier) || !std::isfinite(joint.mimic->offset)) {
+      fail("follows another with a number that is not finite");
+    }
+  }
+}
+
+void KinematicTree::order() {
+  const std::size_t none = joints_.size();
+  std::vector<std::size_t> carries(links_.size(), none);
+  std::vector<std::vector<std::size_t>> below(links_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    std::size_t& known = carries[joint.child];
+    if (known != none) {
+      throw Error(fmt::format("link '{}' is the child of two joints, '{}' and '{}'", links_[joint.child].name,
+                              joints_[known].name, joint.name));
+    }
+    known = j;
+    below[joint.parent].push_back(j);
+  }
+  std::optional<std::size_t> base;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (carries[i] != none) continue;
+    if (base) {
+      throw Error(
+          fmt::format("no joint leads to '{}' nor to '{}'; a robot has one base", links_[*base].name, links_[i].name));
+    }
+    base = i;
+  }
+  if (!base) throw Error(fmt::format("the joints of robot '{}' make a cycle: it has no base", name_));
+  base_ = *base;
+  // Breadth first; a link that is not reached is on a cycle.
+  std::vector<std::size_t> sequence;
+  std::vector<std::size_t> links = {base_};
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    for (const std::size_t j : below[links[i]]) {
+      sequence.push_back(j);
+      links.push_back(joints_[j].child);
+    }
+  }
+  if (sequence.size() != joints_.size()) {
+    std::vector<char> reached(links_.size(), 0);
+    for (const std::size_t i : links) reached[i] = 1;
+    const auto lost = static_cast<std::size_t>(std::find(reached.begin(), reached.end(), 0) - reached.begin());
+    throw Error(fmt::format("link '{}' is on a cycle of joints: '{}' leads to it", links_[lost].name,
+                            joints_[carries[lost]].name));
+  }
+  std::vector<std::size_t> place(joints_.size());
+  std::vector<Joint> ordered;
+  ordered.reserve(joints_.size());
+  for (std::size_t k = 0; k < sequence.size(); ++k) {
+    place[sequence[k]] = k;
+    ordered.push_back(std::move(joints_[sequence[k]]));
+  }
+  joints_ = std::move(ordered);
+  joint_of_.assign(links_.size(), joints_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    joint_of_[joints_[j].child] = j;
+    if (joints_[j].mimic) joints_[j].mimic->joint = place[joints_[j].mimic->joint];
+  }
+}
+
+std::optional<std::size_t> KinematicTree::joint_of(std::size_t link) const {
+  return joint_of_[link] < joints_.size() ? std::optional(joint_of_[link]) : std::nullopt;
+}
+
+std::optional<std::size_t> KinematicTree::find_link(const std::string& name) const {
+  const auto it = std::find_if(links_.begin(), links_.end(), [&](const Link& link) { return link.name == name; });
+  return it != links_.end() ? std::optional(static_cast<std::size_t>(it - links_.begin())) : std::nullopt;
+}
+
+std::optional<std::size_t> KinematicTree::find_joint(const std::string& name) const {
+  const auto it = std::find_if(joints_.begin(), joints_.end(), [&](const Joint& joint) { return joint.name == name; });
+  return it != joints_.end() ? std::optional(static_cast<std::size_t>(it - joints_.begin())) : std::nullopt;
+}
+
+Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving, const std::vector<std::vector<double>>& values)
+    : tree_(std::move(tree)), moving_(std::move(moving)) {
+  const auto& joints = tree_.joints();
+  std::vector<std::size_t> column(joints.size(), 0);
+  std::vector<char> moves(joints.size(), 0);
+  for (const std::size_t j : moving_) {
+    const Joint& joint = joints.at(j);
+    if (joint.width() == 0) {
+      throw Error(fmt::format("joint '{}' cannot move by itself: it {}", joint.name,
+                              joint.mimic ? fmt::format("follows '{}'", joints[joint.mimic->joint].name) : "is fixed"));
+    }
+    if (joint.kind == Joint::Kind::floating) {
+      throw Error(
+          fmt::format("joint '{}' is floating: a robot with such a joint is a body that moves freely", joint.name));
+    }
+    if (moves[j] != 0) throw Error(fmt::format("joint '{}' is named twice", joint.name));
+    moves[j] = 1;
+    column[j] = dimension_;
+    dimension_ += joint.width();
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].mimic && moves[joints[j].mimic->joint] != 0) moves[j] = 2;
+  }
+  /// The value of a joint that does not move.
+  const auto value_of = [&](std::size_t j) {
+    const Joint& joint = joints[j];
+    std::vector<double> value(width_of(joint.kind), 0.0);
+    const std::size_t from = joint.mimic ? joint.mimic->joint : j;
+    if (from < values.size() && !values[from].empty()) value = values[from];
+    if (joint.kind == Joint::Kind::floating && value == std::vector<double>(7, 0.0)) value[6] = 1.0;
+    if (joint.mimic) value[0] = joint.mimic->multiplier * value[0] + joint.mimic->offset;
+    const bool given = from < values.size() && !values[from].empty();
+    const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
+    if (!given && limited) value[0] = std::clamp(value[0], joint.lo, joint.hi);
+    return value;
+  };
+
+  body_of_.assign(tree_.links().size(), 0);
+  in_body_.assign(tree_.links().size(), {});
+  bodies_.push_back({.name = tree_.links()[tree_.base()].name});
+  bodies_.front().links = {tree_.base()};
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = joints[j];
+    const std::size_t carrier = body_of_[joint.parent];
+    const Pose3 origin = in_body_[joint.parent] * joint.origin;
+    if (moves[j] == 0) {
+      body_of_[joint.child] = carrier;
+      in_body_[joint.child] = origin * moved(joint.kind, joint.axis, value_of(j));
+      bodies_[carrier].links.push_back(joint.child);
+      continue;
+    }
+    body_of_[joint.child] = bodies_.size();
+    Body body{.name = tree_.links()[joint.child].name,
+              .links = {joint.child},
+              .parent = carrier,
+              .origin = origin,
+              .kind = joint.kind,
+              .axis = joint.axis,
+              .column = column[joint.mimic ? joint.mimic->joint : j]};
+    if (joint.mimic) {
+      body.multiplier = joint.mimic->multiplier;
+      body.offset = joint.mimic->offset;
+    }
+    bodies_.push_back(std::move(body));
+  }
+  for (std::size_t i = 0; i < tree_.links().size(); ++i) {
+    Body& body = bodies_[body_of_[i]];
+    for (const Solid& solid : tree_.links()[i].solids) {
+      const Solid placed{solid.shape, in_body_[i] * solid.pose};
+      body.radius = std::max(body.radius, farthest_from_origin(placed));
+      body.solids.push_back(placed);
+    }
+  }
+  add_reaches();
+}
+
+void Manipulator::add_reaches() {
+  reach_.assign(bodies_.size(), std::vector<double>(dimension_, 0.0));
+  for (std::size_t b = 1; b < bodies_.size(); ++b) {
+    // From the body to the base: the farthest that its points are from the origin of each joint's frame.
+    double far = bodies_[b].radius;
+    for (std::size_t at = b; at != 0; at = bodies_[at].parent) {
+      const Body& body = bodies_[at];
+      const double scale = std::abs(body.multiplier);
+      double extension = 0.0;
+      switch (body.kind) {
+        case Joint::Kind::prismatic:
+          reach_[b][body.column] += scale;
+          extension = farthest_of(at);
+          break;
+        case Joint::Kind::planar:
+          reach_[b][body.column] += 1.0;
+          reach_[b][body.column + 1] += 1.0;
+          reach_[b][body.column + 2] += far;
+          extension = 0.0;  // the base of a planar joint turns with nothing above it
+          break;
+        default: reach_[b][body.column] += scale * far; break;
+      }
+      far += norm(body.origin.position) + extension;
+    }
+  }
+}
+
+double Manipulator::farthest_of(std::size_t body) const {
+  const Joint& joint = tree_.joints()[*tree_.joint_of(bodies_[body].links.front())];
+  const Joint& leader = joint.mimic ? tree_.joints()[joint.mimic->joint] : joint;
+  const auto at = [&](double value) { return std::abs(bodies_[body].multiplier * value + bodies_[body].offset); };
+  return std::max(at(leader.lo), at(leader.hi));
+}
+
+void Manipulator::poses(View q, std::vector<Pose3>& out) const {
+  out.resize(bodies_.size());
+  out[0] = {};
+  for (std::size_t b = 1; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    if (body.kind == Joint::Kind::planar) {
+      out[b] = out[body.parent] * body.origin * moved(body.kind, body.axis, q.subspan(body.column, 3));
+      continue;
+    }
+    const double value = body.multiplier * q[body.column] + body.offset;
+    out[b] = out[body.parent] * body.origin * moved(body.kind, body.axis, View(&value, 1));
+  }
+}
+
+Pose3 Manipulator::pose_of(std::size_t link, View q) const {
+  std::vector<Pose3> all;
+  poses(q, all);
+  return all[body_of_[link]] * in_body_[link];
+}
+
+double Manipulator::displacement_bound(std::size_t body, View change) const {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < dimension_; ++j) sum += std::abs(change[j]) * reach_[body][j];
+  return sum;
+}
+
+}  // namespace trellis

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/scene/spatial/shapes.hpp>
+
+namespace trellis {
+
+/// A rigid part of a robot.
+struct Link {
+  std::string name;
+  std::vector<Solid> solids;  ///< of its collision geometry, in its frame
+};
+
+/// A connection of two links, as URDF defines it.
+struct Joint {
+  enum class Kind : std::uint8_t {
+    fixed,
+    revolute,    ///< turns about the axis within limits
+    continuous,  ///< turns about the axis without limits
+    prismatic,   ///< slides along the axis within limits
+    planar,      ///< three coordinates: slides along two directions across the axis, then turns about it
+    floating     ///< seven coordinates: a position and a quaternion x, y, z, w
+  };
+  /// The coordinate follows that of another joint: multiplier * value + offset.
+  struct Mimic {
+    std::size_t joint = 0;
+    double multiplier = 1.0;
+    double offset = 0.0;
+  };
+
+  std::string name;
+  Kind kind = Kind::fixed;
+  std::size_t parent = 0;       ///< a link
+  std::size_t child = 0;        ///< a link
+  Pose3 origin = {};            ///< of the joint's frame in the parent's, where the joint is at 0
+  Vec3 axis = {1.0, 0.0, 0.0};  ///< of norm 1, in the joint's frame
+  double lo = 0.0;              ///< lower limit, radians or metres
+  double hi = 0.0;              ///< upper limit
+  std::optional<Mimic> mimic = {};
+
+  /// The number of its coordinates: 0 where it is fixed or follows another.
+  [[nodiscard]] std::size_t width() const;
+};
+
+/// The name of a kind in URDF: "revolute".
+const char* to_string(Joint::Kind kind);
+
+/// The links and joints of a robot: a tree whose root is the base. Immutable.
+class KinematicTree {
+ public:
+  static constexpr std::size_t most_links = 1000;
+
+  /// Checks that the joints make one tree of all links, and orders them from the base.
+  /// \throws Error that names the link or the joint: two parents, a cycle, several bases, a mimic chain, limits that
+  ///     are not finite or in order, an axis that is not of norm 1
+  KinematicTree(std::string name, std::vector<Link> links, std::vector<Joint> joints);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::vector<Link>& links() const { return links_; }
+  /// In an order in which each joint comes after that of its parent link.
+  [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
+  [[nodiscard]] std::size_t base() const { return base_; }
+  /// The joint whose child a link is; none for the base.
+  [[nodiscard]] std::optional<std::size_t> joint_of(std::size_t link) const;
+  [[nodiscard]] std::optional<std::size_t> find_link(const std::string& name) const;
+  [[nodiscard]] std::optional<std::size_t> find_joint(const std::string& name) const;
+  /// Whether fixed joints connect two links.
+  [[nodiscard]] bool fixed_together(std::size_t a, std::size_t b) const { return body_of_[a] == body_of_[b]; }
+
+ private:
+  void order();
+  void check_joints() const;
+
+  std::string name_;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
+  std::size_t base_ = 0;
+  std::vector<std::size_t> joint_of_;  ///< for each link; the number of joints for the base
+  std::vector<std::size_t> body_of_;   ///< for each link: the first link that fixed joints connect it to
+};
+
+/// A robot with a fixed base of which some joints move: a configuration has the coordinates of these joints in order,
+/// the other joints stay where they are. Links that do not move against each other are one body.
+class Manipulator {
+ public:
+  /// A part that moves as a whole: links between which no joint moves.
+  struct Body {
+    std::string name;  ///< of its first link
+    std::vector<std::size_t> links;
+    std::size_t parent = 0;  ///< the body that carries it; its own number for the base
+    Pose3 origin = {};       ///< of its joint's frame in the parent's frame
+    Joint::Kind kind = Joint::Kind::fixed;
+    Vec3 axis = {1.0, 0.0, 0.0};
+    std::size_t column = 0;   ///< of its joint's first coordinate
+    double multiplier = 1.0;  ///< of a joint that follows another
+    double offset = 0.0;
+    std::vector<Solid> solids;  ///< in its frame
+    double radius = 0.0;        ///< largest distance of its points from the origin of its frame
+  };
+
+  /// \param moving  joints with coordinates, ascending; joints that follow them move too
+  /// \param values  of the other joints' coordinates, for each joint; 0 or the nearest limit where it is empty
+  /// \throws Error where a joint is fixed, follows another one, or is repeated
+  Manipulator(KinematicTree tree, std::vector<std::size_t> moving, const std::vector<std::vector<double>>& values = {});
+
+  [[nodiscard]] const KinematicTree& tree() const { return tree_; }
+  [[nodiscard]] const std::vector<std::size_t>& moving() const { return moving_; }
+  /// The base first; each body comes after its parent.
+  [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  /// The body that a link belongs to, and the pose of the link in the body's frame.
+  [[nodiscard]] std::size_t body_of(std::size_t link) const { return body_of_[link]; }
+  [[nodiscard]] const Pose3& pose_in_body(std::size_t link) const { return in_body_[link]; }
+
+  /// Computes the poses of all bodies in the frame of the base (forward kinematics).
+  /// \param q  `dimension` numbers, which is not checked
+  void poses(View q, std::vector<Pose3>& out) const;
+  /// Returns the pose of a link in the frame of the base.
+  [[nodiscard]] Pose3 pose_of(std::size_t link, View q) const;
+  /// Returns a bound, in metres, on how far the points of a body move on the straight motion whose coordinates change
+  /// by these amounts.
+  [[nodiscard]] double displacement_bound(std::size_t body, View change) const;
+
+ private:
+  void add_reaches();
+  /// The farthest that a prismatic joint slides its body from its frame, in metres.
+  [[nodiscard]] double farthest_of(std::size_t body) const;
+
+  KinematicTree tree_;
+  std::vector<std::size_t> moving_;
+  std::size_t dimension_ = 0;
+  std::vector<Body> bodies_;
+  std::vector<std::size_t> body_of_;
+  std::vector<Pose3> in_body_;
+  /// For each body and coordinate: metres that its points move, at most, for a unit of the coordinate.
+  std::vector<std::vector<double>> reach_;
+};
+
+}  // namespace trellis
