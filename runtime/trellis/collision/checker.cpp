@@ -18,6 +18,7 @@ std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_pt
     throw Error(fmt::format("no collision backend '{}'; there are '{}' and '{}'{}", backend, known.front(),
                             known.back(), did_you_mean(backend, known)));
   }
+  if (scene->manipulator() != nullptr) return make_sphere_checker(std::move(scene), space, resolution);
   if (scene->spatial() != nullptr) {
     return make_spatial_checker(std::move(scene), space, resolution, backend == "fcl");
   }
@@ -26,6 +27,7 @@ std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_pt
 }
 
 std::vector<std::string> collision_backends(const Scene& scene) {
+  if (scene.manipulator() != nullptr) return {"spheres"};
   if (scene.spatial() != nullptr) return {"fcl", "fcl_plain"};
   return {"planar", "fcl"};
 }

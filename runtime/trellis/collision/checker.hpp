@@ -95,8 +95,10 @@ std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, co
 /// \param filtered  whether sphere covers and a distance field decide what they can before FCL; same answers and counts
 std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                               bool filtered = true);
+/// Returns the backend of manipulators: balls among the obstacles of space, and against each other.
+std::unique_ptr<Checker> make_sphere_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// Returns the names of the backends of a scene, its default first: "planar" and "fcl" in the plane, "fcl" and
-/// "fcl_plain" in space.
+/// "fcl_plain" of bodies in space, "spheres" of manipulators.
 std::vector<std::string> collision_backends(const Scene& scene);
 /// Returns a backend by name.
 /// \throws Error for a name that the scene has not.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <trellis/scene/spatial/kinematic_tree.hpp>
+#include <trellis/scene/spatial/world.hpp>
 
 namespace trellis {
 
@@ -42,5 +43,20 @@ struct SrdfFile {
 /// Reads the groups, the named states and the disabled pairs of links of a robot from a SRDF file.
 /// \throws Error with file and line for all faults of the file together
 SrdfFile read_srdf(const std::string& path, const KinematicTree& tree);
+
+/// A planning problem of MoveIt, as MotionBenchMaker writes it: a scene and a request.
+struct MoveitFile {
+  World3 world;
+  Configuration start;  ///< of the robot's moving joints
+  Configuration goal;
+  std::string group;    ///< that the request names; "" without one
+  std::vector<std::string> warnings;
+};
+
+/// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene". The bounds of the world
+/// contain the robot's reach and all objects; they limit nothing.
+/// \param base  of the robot in the world
+/// \throws Error with file and line
+MoveitFile read_moveit(const std::string& path, const Manipulator& robot, double reach, const Pose3& base = {});
 
 }  // namespace trellis

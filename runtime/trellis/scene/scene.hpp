@@ -16,6 +16,7 @@ namespace trellis {
 
 class PlanarScene;
 class SpatialScene;
+class ManipulatorScene;
 
 /// The obstacle of a world that a motion passes most easily between two configurations.
 struct ThinnestObstacle {
@@ -23,9 +24,9 @@ struct ThinnestObstacle {
   double thickness = 0.0;  ///< metres: the least distance between two parallel lines, or planes, that enclose it
 };
 
-/// The world and the robot of a problem. Immutable, shared between runs and threads. PlanarScene and SpatialScene
-/// implement it. Planners, guides and the measure use what it declares; code for one kind of geometry asks for the
-/// scene as that kind (`planar`, `spatial`).
+/// The world and the robot of a problem. Immutable, shared between runs and threads. PlanarScene, SpatialScene
+/// and ManipulatorScene implement it. Planners, guides and the measure use what it declares; code for one kind of geometry asks for the
+/// scene as that kind (`planar`, `spatial`, `manipulator`).
 class Scene {
  public:
   virtual ~Scene() = default;
@@ -33,6 +34,7 @@ class Scene {
   /// Returns this scene if it is of that kind, else nullptr.
   [[nodiscard]] virtual const PlanarScene* planar() const { return nullptr; }
   [[nodiscard]] virtual const SpatialScene* spatial() const { return nullptr; }
+  [[nodiscard]] virtual const ManipulatorScene* manipulator() const { return nullptr; }
 
   /// The number of coordinates of a position in the world: 2 or 3.
   [[nodiscard]] virtual std::size_t world_dimension() const = 0;

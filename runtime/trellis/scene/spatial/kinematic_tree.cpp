@@ -169,8 +169,9 @@ std::optional<std::size_t> KinematicTree::find_joint(const std::string& name) co
   return it != joints_.end() ? std::optional(static_cast<std::size_t>(it - joints_.begin())) : std::nullopt;
 }
 
-Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving, const std::vector<std::vector<double>>& values)
-    : tree_(std::move(tree)), moving_(std::move(moving)) {
+Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving,
+                         const std::vector<std::vector<double>>& values)
+    : tree_(std::move(tree)), values_(values), moving_(std::move(moving)) {
   const auto& joints = tree_.joints();
   std::vector<std::size_t> column(joints.size(), 0);
   std::vector<char> moves(joints.size(), 0);
@@ -183,6 +184,9 @@ Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving, co
     if (joint.kind == Joint::Kind::floating) {
       throw Error(
           fmt::format("joint '{}' is floating: a robot with such a joint is a body that moves freely", joint.name));
+    }
+    if (joint.kind == Joint::Kind::planar && joint.parent != tree_.base()) {
+      throw Error(fmt::format("joint '{}' is planar and does not move the base", joint.name));
     }
     if (moves[j] != 0) throw Error(fmt::format("joint '{}' is named twice", joint.name));
     moves[j] = 1;
@@ -253,30 +257,30 @@ void Manipulator::add_reaches() {
     for (std::size_t at = b; at != 0; at = bodies_[at].parent) {
       const Body& body = bodies_[at];
       const double scale = std::abs(body.multiplier);
-      double extension = 0.0;
       switch (body.kind) {
-        case Joint::Kind::prismatic:
-          reach_[b][body.column] += scale;
-          extension = farthest_of(at);
-          break;
+        case Joint::Kind::prismatic: reach_[b][body.column] += scale; break;
         case Joint::Kind::planar:
           reach_[b][body.column] += 1.0;
           reach_[b][body.column + 1] += 1.0;
           reach_[b][body.column + 2] += far;
-          extension = 0.0;  // the base of a planar joint turns with nothing above it
           break;
         default: reach_[b][body.column] += scale * far; break;
       }
-      far += norm(body.origin.position) + extension;
+      far += norm(body.origin.position) + extension(at);
     }
   }
 }
 
-double Manipulator::farthest_of(std::size_t body) const {
+double Manipulator::extension(std::size_t body) const {
+  if (bodies_[body].kind != Joint::Kind::prismatic) return 0.0;
   const Joint& joint = tree_.joints()[*tree_.joint_of(bodies_[body].links.front())];
   const Joint& leader = joint.mimic ? tree_.joints()[joint.mimic->joint] : joint;
   const auto at = [&](double value) { return std::abs(bodies_[body].multiplier * value + bodies_[body].offset); };
   return std::max(at(leader.lo), at(leader.hi));
+}
+
+Manipulator Manipulator::with_moving(std::vector<std::size_t> moving) const {
+  return {tree_, std::move(moving), values_};
 }
 
 void Manipulator::poses(View q, std::vector<Pose3>& out) const {

@@ -128,13 +128,17 @@ class Manipulator {
   /// Returns a bound, in metres, on how far the points of a body move on the straight motion whose coordinates change
   /// by these amounts.
   [[nodiscard]] double displacement_bound(std::size_t body, View change) const;
+  /// The farthest that a prismatic joint slides a body from its joint's frame, in metres; 0 for other joints.
+  [[nodiscard]] double extension(std::size_t body) const;
+  /// Returns the robot of which these joints move, and the others stay where they are: those that moved at 0 or at the
+  /// nearest limit.
+  [[nodiscard]] Manipulator with_moving(std::vector<std::size_t> moving) const;
 
  private:
   void add_reaches();
-  /// The farthest that a prismatic joint slides its body from its frame, in metres.
-  [[nodiscard]] double farthest_of(std::size_t body) const;
 
   KinematicTree tree_;
+  std::vector<std::vector<double>> values_;  ///< of the joints that do not move
   std::vector<std::size_t> moving_;
   std::size_t dimension_ = 0;
   std::vector<Body> bodies_;

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <trellis/base/errors.hpp>
+#include <trellis/reader/robot_files.hpp>
+#include <trellis/reader/yaml_entry.hpp>
+
+namespace trellis {
+
+namespace {
+
+Pose3 pose_of(const YamlEntry& entry) {
+  const auto position = entry.at("position").numbers(3, "x, y, z");
+  const auto turn = entry.at("orientation").numbers(4, "x, y, z, w");
+  const Quaternion q{turn[0], turn[1], turn[2], turn[3]};
+  if (!(std::abs(std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w) - 1.0) < 1e-3)) {
+    throw entry.at("orientation").error("the quaternion is not of length 1");
+  }
+  return {{position[0], position[1], position[2]}, normalised(q)};
+}
+
+Shape3 shape_of(const YamlEntry& entry) {
+  const YamlEntry type = entry.at("type");
+  const YamlEntry sizes = entry.at("dimensions");
+  const std::string word = type.word();
+  if (word == "box") {
+    const auto n = sizes.numbers(3, "x, y, z");
+    return Cuboid{{n[0], n[1], n[2]}};
+  }
+  if (word == "sphere") return Sphere{sizes.numbers(1, "radius")[0]};
+  if (word == "cylinder") {
+    const auto n = sizes.numbers(2, "height, radius");
+    return Cylinder{n[1], n[0]};
+  }
+  throw type.error(fmt::format("a primitive '{}' is not read{}", word,
+                               did_you_mean(word, std::vector<std::string>{"box", "sphere", "cylinder"})));
+}
+
+std::vector<Obstacle3> obstacles_of(const YamlEntry& scene, std::vector<std::string>& warnings) {
+  std::vector<Obstacle3> obstacles;
+  ErrorList errors;
+  if (!scene.has("world") || !scene.at("world").has("collision_objects")) return obstacles;
+  for (const YamlEntry& object : scene.at("world").at("collision_objects").list()) {
+    errors.attempt([&] {
+      const std::string id = object.at("id").word();
+      const Pose3 frame = object.has("pose") ? pose_of(object.at("pose")) : Pose3{};
+      if (object.has("meshes")) warnings.push_back(fmt::format("the meshes of object '{}' are ignored", id));
+      if (!object.has("primitives")) return;
+      const auto shapes = object.at("primitives").list();
+      const auto poses = object.at("primitive_poses").list();
+      if (shapes.size() != poses.size()) {
+        throw object.error(fmt::format("object '{}' has {} primitives and {} poses", id, shapes.size(), poses.size()));
+      }
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const Solid solid{shape_of(shapes[i]), frame * pose_of(poses[i])};
+        check_solid(solid, fmt::format("object '{}'", id));
+        obstacles.push_back({fmt::format("obstacle {} ({})", obstacles.size() + 1, id), solid});
+      }
+    });
+  }
+  errors.raise();
+  return obstacles;
+}
+
+/// The values of joints by name, in the order of the robot's coordinates.
+class Values {
+ public:
+  explicit Values(const Manipulator& robot) : robot_(robot), values_(robot.moving().size()) {}
+  void set(const std::string& name, double value) {
+    for (std::size_t k = 0; k < robot_.moving().size(); ++k) {
+      if (robot_.tree().joints()[robot_.moving()[k]].name == name) values_[k] = value;
+    }
+  }
+  [[nodiscard]] Configuration all(const YamlEntry& entry, const char* what) const {
+    Configuration q;
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+      if (!values_[k]) {
+        throw entry.error(
+            fmt::format("the {} lacks joint '{}'", what, robot_.tree().joints()[robot_.moving()[k]].name));
+      }
+      q.push_back(*values_[k]);
+    }
+    return q;
+  }
+
+ private:
+  const Manipulator& robot_;
+  std::vector<std::optional<double>> values_;
+};
+
+std::string request_beside(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/') + 1;
+  const std::size_t at = path.rfind("scene");
+  if (at == std::string::npos || at < slash) {
+    throw Error(fmt::format(
+        "{}: the name of a scene of MoveIt contains 'scene'; that of its request has 'request' there", path));
+  }
+  std::string request = path;
+  return request.replace(at, 5, "request");
+}
+
+}  // namespace
+
+MoveitFile read_moveit(const std::string& path, const Manipulator& robot, double reach, const Pose3& base) {
+  MoveitFile file;
+  const SourceText scene_text = SourceText::load(path);
+  const YamlEntry scene = YamlEntry::root(scene_text, "a scene of MoveIt as a YAML map");
+  std::vector<Obstacle3> obstacles = obstacles_of(scene, file.warnings);
+
+  const SourceText request_text = SourceText::load(request_beside(path));
+  const YamlEntry request = YamlEntry::root(request_text, "a request of MoveIt as a YAML map");
+  if (request.has("group_name")) file.group = request.at("group_name").word();
+  Values start(robot);
+  const YamlEntry state = request.at("start_state").at("joint_state");
+  const auto names = state.at("name").list();
+  const auto positions = state.at("position").list();
+  if (names.size() != positions.size()) throw state.error("'name' and 'position' differ in length");
+  for (std::size_t i = 0; i < names.size(); ++i) start.set(names[i].word(), positions[i].number());
+  file.start = start.all(state, "start");
+  Values goal(robot);
+  const auto goals = request.at("goal_constraints").list();
+  if (goals.empty()) throw request.error("the request has no goal");
+  if (goals.size() > 1) file.warnings.push_back("the first of several goals is read");
+  for (const YamlEntry& one : goals.front().at("joint_constraints").list()) {
+    goal.set(one.at("joint_name").word(), one.at("position").number());
+  }
+  file.goal = goal.all(goals.front(), "goal");
+
+  Vec3 lo = base.position - Vec3{reach, reach, reach};
+  Vec3 hi = base.position + Vec3{reach, reach, reach};
+  for (const Obstacle3& obstacle : obstacles) {
+    const Box3 box = bounding_box(obstacle.solid);
+    lo = {std::min(lo.x, box.lo.x), std::min(lo.y, box.lo.y), std::min(lo.z, box.lo.z)};
+    hi = {std::max(hi.x, box.hi.x), std::max(hi.y, box.hi.y), std::max(hi.z, box.hi.z)};
+  }
+  file.world = World3({lo, hi}, std::move(obstacles), Contain::none);
+  return file;
+}
+
+}  // namespace trellis

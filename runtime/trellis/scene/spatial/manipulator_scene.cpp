@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/spatial/manipulator_scene.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/spatial/sphere_cover.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// The balls of the leaves of a cover whose radius is a few times that of the finest.
+void add_cover(const Solid& solid, std::vector<BodySphere>& balls) {
+  // A link of 0.1 m gets balls of 0.02 m beyond its surface.
+  constexpr double finest = 0.02;
+  const SphereCover cover(solid, true, finest);
+  for (const SphereCover::Node& node : cover.nodes()) {
+    if (node.count == 0) balls.push_back({node.centre, node.outer});
+  }
+}
+
+/// A ball that contains some balls: about the middle of their box.
+BodySphere enclosing(const std::vector<BodySphere>& balls) {
+  Vec3 lo = balls.front().centre;
+  Vec3 hi = lo;
+  for (const BodySphere& ball : balls) {
+    const Vec3 r{ball.radius, ball.radius, ball.radius};
+    const Vec3 a = ball.centre - r;
+    const Vec3 b = ball.centre + r;
+    lo = {std::min(lo.x, a.x), std::min(lo.y, a.y), std::min(lo.z, a.z)};
+    hi = {std::max(hi.x, b.x), std::max(hi.y, b.y), std::max(hi.z, b.z)};
+  }
+  BodySphere all{0.5 * (lo + hi), 0.0};
+  for (const BodySphere& ball : balls) {
+    all.radius = std::max(all.radius, norm(ball.centre - all.centre) + ball.radius);
+  }
+  return all;
+}
+
+Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 along = b - a;
+  const double squared = dot(along, along);
+  const double t = squared > 0.0 ? std::clamp(dot(p - a, along) / squared, 0.0, 1.0) : 0.0;
+  return a + t * along;
+}
+
+}  // namespace
+
+SphereModel::SphereModel(Manipulator robot, std::vector<std::pair<std::size_t, std::size_t>> pairs)
+    : robot_(std::move(robot)), pairs_(std::move(pairs)) {
+  for (const Manipulator::Body& body : robot_.bodies()) {
+    std::vector<BodySphere>& balls = bodies_.emplace_back();
+    for (const Solid& solid : body.solids) {
+      if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
+        balls.push_back({solid.pose.position, sphere->radius});
+      } else {
+        exact_ = false;
+        add_cover(solid, balls);
+      }
+    }
+  }
+  enclose();
+}
+
+SphereModel::SphereModel(Manipulator robot, std::vector<std::vector<BodySphere>> bodies,
+                         std::vector<std::pair<std::size_t, std::size_t>> pairs, bool exact)
+    : robot_(std::move(robot)), bodies_(std::move(bodies)), pairs_(std::move(pairs)), exact_(exact) {
+  for (auto& balls : bodies_) {
+    if (!balls.empty()) balls.erase(balls.begin());
+  }
+  enclose();
+}
+
+void SphereModel::enclose() {
+  bounding_radius_ = 0.0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    auto& balls = bodies_[b];
+    if (balls.empty()) continue;
+    const BodySphere all = enclosing(balls);
+    balls.insert(balls.begin(), all);
+    double far = norm(all.centre) + all.radius;
+    for (std::size_t at = b; at != 0; at = robot_.bodies()[at].parent) {
+      far += norm(robot_.bodies()[at].origin.position) + robot_.extension(at);
+    }
+    bounding_radius_ = std::max(bounding_radius_, far);
+  }
+}
+
+SphereModel SphereModel::thinned(double factor) const {
+  std::vector<std::vector<BodySphere>> bodies = bodies_;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    // The bone of a body: from its frame to that of the farthest body that it carries.
+    Vec3 end;
+    for (std::size_t c = 1; c < bodies.size(); ++c) {
+      const Manipulator::Body& child = robot_.bodies()[c];
+      if (child.parent == b && norm(child.origin.position) > norm(end)) end = child.origin.position;
+    }
+    for (BodySphere& ball : bodies[b]) {
+      const Vec3 bone = nearest_on_segment({}, end, ball.centre);
+      if (norm(ball.centre - bone) <= ball.radius) ball.centre = bone + factor * (ball.centre - bone);
+      ball.radius *= factor;
+    }
+  }
+  return {robot_, std::move(bodies), pairs_, exact_};
+}
+
+std::optional<SphereModel> SphereModel::reduced(const std::vector<std::size_t>& kept) const {
+  const auto keeps = [&](std::size_t column) { return std::binary_search(kept.begin(), kept.end(), column); };
+  const auto& all = robot_.bodies();
+  std::vector<char> determined(all.size(), 1);
+  bool any = false;
+  for (std::size_t b = 1; b < all.size(); ++b) {
+    bool own = keeps(all[b].column);
+    if (all[b].kind == Joint::Kind::planar) own = own && keeps(all[b].column + 1) && keeps(all[b].column + 2);
+    determined[b] = own && determined[all[b].parent] != 0 ? 1 : 0;
+    any = any || (determined[b] != 0 && !bodies_[b].empty());
+  }
+  if (!any) return std::nullopt;
+  std::vector<std::size_t> moving;
+  std::size_t column = 0;
+  for (const std::size_t j : robot_.moving()) {
+    const std::size_t width = robot_.tree().joints()[j].width();
+    bool whole = true;
+    for (std::size_t k = 0; k < width; ++k) whole = whole && keeps(column + k);
+    if (whole) moving.push_back(j);
+    column += width;
+  }
+  Manipulator part = robot_.with_moving(moving);
+  // A body of the part consists of bodies that do not move against each other any more.
+  std::vector<std::vector<BodySphere>> bodies(part.bodies().size());
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    if (determined[b] == 0 || bodies_[b].empty()) continue;
+    const std::size_t link = all[b].links.front();
+    auto& balls = bodies[part.body_of(link)];
+    if (balls.empty()) balls.push_back({});
+    const Pose3 at = part.pose_in_body(link) * robot_.pose_in_body(link).inverse();
+    for (std::size_t i = 1; i < bodies_[b].size(); ++i) {
+      balls.push_back({at(bodies_[b][i].centre), bodies_[b][i].radius});
+    }
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (const auto& [a, b] : pairs_) {
+    if (determined[a] == 0 || determined[b] == 0) continue;
+    const std::size_t first = part.body_of(all[a].links.front());
+    const std::size_t second = part.body_of(all[b].links.front());
+    if (first != second) pairs.emplace_back(std::min(first, second), std::max(first, second));
+  }
+  return SphereModel(std::move(part), std::move(bodies), std::move(pairs), exact_);
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> self_collision_pairs(
+    const Manipulator& robot, const std::vector<std::pair<std::size_t, std::size_t>>& disabled) {
+  const KinematicTree& tree = robot.tree();
+  const std::size_t bodies = robot.bodies().size();
+  // Links that fixed joints connect count as one: parent and child of a joint may touch.
+  const auto beside = [&](std::size_t a, std::size_t b) {
+    const auto carried = [&](std::size_t child, std::size_t parent) {
+      for (std::size_t at = child;;) {
+        const auto j = tree.joint_of(at);
+        if (!j) return false;
+        const Joint& joint = tree.joints()[*j];
+        if (joint.kind != Joint::Kind::fixed) return tree.fixed_together(joint.parent, parent);
+        at = joint.parent;
+      }
+    };
+    return tree.fixed_together(a, b) || carried(a, b) || carried(b, a);
+  };
+  std::vector<std::vector<char>> checked(bodies, std::vector<char>(bodies, 0));
+  for (std::size_t a = 0; a < tree.links().size(); ++a) {
+    for (std::size_t b = a + 1; b < tree.links().size(); ++b) {
+      if (tree.links()[a].solids.empty() || tree.links()[b].solids.empty()) continue;
+      const std::size_t first = std::min(robot.body_of(a), robot.body_of(b));
+      const std::size_t second = std::max(robot.body_of(a), robot.body_of(b));
+      if (first == second || beside(a, b)) continue;
+      if (std::binary_search(disabled.begin(), disabled.end(), std::pair(a, b))) continue;
+      checked[first][second] = 1;
+    }
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t a = 0; a < bodies; ++a) {
+    for (std::size_t b = a + 1; b < bodies; ++b) {
+      if (checked[a][b] != 0) pairs.emplace_back(a, b);
+    }
+  }
+  return pairs;
+}
+
+double ManipulatorScene::magnitude() const {
+  const double far = norm(base.position) + robot.bounding_radius();
+  return std::max(SpatialScene(world, Robot3::point()).magnitude(), far);
+}
+
+std::string ManipulatorScene::body_name(std::size_t body) const { return robot.robot().bodies().at(body).name; }
+
+std::optional<ThinnestObstacle> ManipulatorScene::thinnest_obstacle() const {
+  return SpatialScene(world, Robot3::point()).thinnest_obstacle();
+}
+
+Space ManipulatorScene::default_space(double weight) const {
+  std::vector<Axis> axes;
+  for (const std::size_t j : robot.robot().moving()) {
+    const Joint& joint = robot.robot().tree().joints()[j];
+    switch (joint.kind) {
+      case Joint::Kind::prismatic: axes.push_back({joint.name, joint.lo, joint.hi, 1.0, false}); break;
+      case Joint::Kind::continuous:
+        axes.push_back({joint.name, -std::numbers::pi, std::numbers::pi, weight, true});
+        break;
+      case Joint::Kind::planar: {
+        const auto& [lo, hi] = world.bounds();
+        axes.push_back({joint.name + ".x", lo.x, hi.x, 1.0, false});
+        axes.push_back({joint.name + ".y", lo.y, hi.y, 1.0, false});
+        axes.push_back({joint.name + ".theta", -std::numbers::pi, std::numbers::pi, weight, true});
+        break;
+      }
+      default: axes.push_back({joint.name, joint.lo, joint.hi, weight, false}); break;
+    }
+  }
+  return {fmt::format("joints of {}", robot_name()), std::move(axes)};
+}
+
+std::shared_ptr<const Scene> ManipulatorScene::shrunken(double scale) const {
+  return std::make_shared<ManipulatorScene>(world, robot.thinned(scale), base);
+}
+
+std::shared_ptr<const Scene> ManipulatorScene::with_obstacles(const std::vector<std::size_t>& kept) const {
+  const auto with = SpatialScene(world, Robot3::point()).with_obstacles(kept);
+  return std::make_shared<ManipulatorScene>(trellis::spatial(*with).world, robot, base);
+}
+
+std::shared_ptr<const Scene> ManipulatorScene::of_point() const {
+  return std::make_shared<SpatialScene>(world, Robot3::point());
+}
+
+std::shared_ptr<const Scene> ManipulatorScene::reduced(const std::vector<std::size_t>& kept) const {
+  std::vector<std::size_t> own;
+  for (const std::size_t column : kept) {
+    if (column < robot_dimension()) own.push_back(column);
+  }
+  auto part = robot.reduced(own);
+  // The part has the coordinates of whole joints alone.
+  if (!part || part->robot().dimension() != own.size()) return nullptr;
+  return std::make_shared<ManipulatorScene>(world, std::move(*part), base);
+}
+
+std::shared_ptr<const Scene> ManipulatorScene::eroded(double distance) const {
+  const auto smaller = SpatialScene(world, Robot3::point()).eroded(distance);
+  return std::make_shared<ManipulatorScene>(trellis::spatial(*smaller).world, robot, base);
+}
+
+std::shared_ptr<const Scene> ManipulatorScene::aggregated(double error) const {
+  const auto merged = SpatialScene(world, Robot3::point()).aggregated(error);
+  return std::make_shared<ManipulatorScene>(trellis::spatial(*merged).world, robot, base);
+}
+
+}  // namespace trellis
