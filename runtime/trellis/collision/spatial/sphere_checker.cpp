@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The checker of manipulators: balls among the obstacles of space, and against each other.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -20,16 +22,129 @@ namespace trellis {
 
 namespace {
 
+/// A rotation as a matrix, row by row, and a position.
+struct BodyFrame {
+  std::array<double, 9> r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  Vec3 p;
+
+  [[nodiscard]] Vec3 operator()(const Vec3& v) const {
+    return {r[0] * v.x + r[1] * v.y + r[2] * v.z + p.x, r[3] * v.x + r[4] * v.y + r[5] * v.z + p.y,
+            r[6] * v.x + r[7] * v.y + r[8] * v.z + p.z};
+  }
+};
+
+using Matrix3 = std::array<double, 9>;
+
+Matrix3 times(const Matrix3& a, const Matrix3& b) {
+  Matrix3 c{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+    }
+  }
+  return c;
+}
+
+Matrix3 matrix_of(const Quaternion& q) {
+  const Vec3 x = q({1, 0, 0});
+  const Vec3 y = q({0, 1, 0});
+  const Vec3 z = q({0, 0, 1});
+  return {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+}
+
+/// A convex obstacle, whose distance is computed at once.
+struct Primitive {
+  enum class Kind : std::uint8_t { sphere, box, cylinder, capsule };
+  Kind kind = Kind::sphere;
+  Matrix3 r{};  ///< from the world to its frame
+  Vec3 centre;
+  Vec3 half;  ///< of a box
+  double radius = 0.0;
+  double length = 0.0;  ///< half of it
+  double far = 0.0;     ///< radius of a ball about the centre that contains it
+  std::size_t obstacle = 0;
+
+  /// The distance of a point from its surface outside, 0 inside.
+  [[nodiscard]] double distance(const Vec3& at) const {
+    const Vec3 d = at - centre;
+    if (kind == Kind::sphere) return std::max(norm(d) - radius, 0.0);
+    const Vec3 u{r[0] * d.x + r[1] * d.y + r[2] * d.z, r[3] * d.x + r[4] * d.y + r[5] * d.z,
+                 r[6] * d.x + r[7] * d.y + r[8] * d.z};
+    switch (kind) {
+      case Kind::box:
+        return norm({std::max(std::abs(u.x) - half.x, 0.0), std::max(std::abs(u.y) - half.y, 0.0),
+                     std::max(std::abs(u.z) - half.z, 0.0)});
+      case Kind::cylinder: {
+        const double across = std::max(std::sqrt(u.x * u.x + u.y * u.y) - radius, 0.0);
+        const double along = std::max(std::abs(u.z) - length, 0.0);
+        return std::sqrt(across * across + along * along);
+      }
+      default: {
+        const double along = std::max(std::abs(u.z) - length, 0.0);
+        return std::max(std::sqrt(u.x * u.x + u.y * u.y + along * along) - radius, 0.0);
+      }
+    }
+  }
+};
+
+Primitive primitive_of(const Solid& solid, std::size_t obstacle) {
+  Primitive made;
+  made.r = matrix_of(solid.pose.orientation.inverse());
+  made.centre = solid.pose.position;
+  made.obstacle = obstacle;
+  made.far = farthest_from_origin({solid.shape, {}});
+  if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
+    made.radius = sphere->radius;
+  } else if (const auto* box = std::get_if<Cuboid>(&solid.shape)) {
+    made.kind = Primitive::Kind::box;
+    made.half = 0.5 * box->size;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&solid.shape)) {
+    made.kind = Primitive::Kind::cylinder;
+    made.radius = cylinder->radius;
+    made.length = 0.5 * cylinder->length;
+  } else if (const auto* capsule = std::get_if<Capsule>(&solid.shape)) {
+    made.kind = Primitive::Kind::capsule;
+    made.radius = capsule->radius;
+    made.length = 0.5 * capsule->length;
+  } else {
+    throw Fault("a mesh is no primitive");
+  }
+  return made;
+}
+
+/// The obstacles of a world: those that are primitives, and the meshes.
+struct SolidObstacles {
+  std::vector<Primitive> primitives;
+  std::optional<ObstacleDistance> meshes;
+  std::vector<std::size_t> of_mesh;  ///< for each mesh its obstacle
+};
+
 /// What all checkers of a world share.
-std::shared_ptr<const ObstacleDistance> distance_in(const World3& world) {
-  static CacheByWorld<ObstacleDistance> cache;
+std::shared_ptr<const SolidObstacles> obstacles_in(const World3& world) {
+  static CacheByWorld<SolidObstacles> cache;
   return cache.get(world, [](const World3& of) {
-    std::vector<Solid> solids;
-    solids.reserve(of.obstacles().size());
-    for (const Obstacle3& obstacle : of.obstacles()) solids.push_back(obstacle.solid);
-    return ObstacleDistance(solids, of.surface());
+    SolidObstacles all;
+    std::vector<Solid> meshes;
+    for (std::size_t i = 0; i < of.obstacles().size(); ++i) {
+      const Solid& solid = of.obstacles()[i].solid;
+      if (std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape)) {
+        meshes.push_back(solid);
+        all.of_mesh.push_back(i);
+      } else {
+        all.primitives.push_back(primitive_of(solid, i));
+      }
+    }
+    if (!meshes.empty()) all.meshes.emplace(meshes, of.surface());
+    return all;
   });
 }
+
+/// A body's joint: its frame is that of its parent times origin + sin * once + (1 - cos) * twice.
+struct JointTurn {
+  Matrix3 origin{};
+  Matrix3 once{};
+  Matrix3 twice{};
+};
 
 class SphereChecker final : public Checker {
  public:
@@ -42,13 +157,21 @@ class SphereChecker final : public Checker {
         space_(space),
         resolution_(resolution),
         slack_(touching_slack(*scene_)),
-        distance_(distance_in(world_)),
+        obstacles_(obstacles_in(world_)),
         q_(space.dimension()),
         change_(space.dimension()) {
     check_fits(*scene_, space, resolution);
     for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
       // The base does not move: it is checked as the others, so that a base in an obstacle is found.
       if (!model_.bodies()[b].empty()) solid_.push_back(b);
+    }
+    frames_.resize(model_.bodies().size());
+    for (const Manipulator::Body& body : robot_.bodies()) {
+      const Vec3& a = body.axis;
+      const Matrix3 skew = {0, -a.z, a.y, a.z, 0, -a.x, -a.y, a.x, 0};
+      const Matrix3 origin = matrix_of(body.origin.orientation);
+      const Matrix3 once = times(origin, skew);
+      turns_.push_back({origin, once, times(once, skew)});
     }
     placed_.resize(model_.bodies().size());
     for (std::size_t b = 0; b < placed_.size(); ++b) placed_[b].resize(model_.bodies()[b].size());
@@ -76,8 +199,7 @@ class SphereChecker final : public Checker {
     Clearances motion(*this, a, b);
     const double first =
         std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
-    // Two bodies approach each other by the displacements of both.
-    add_motion(certificate, motion, 2.0 * motion.displacement(), first);
+    add_motion(certificate, motion, motion.displacement(), first);
   }
 
   [[nodiscard]] double clearance(View q) const override {
@@ -91,11 +213,20 @@ class SphereChecker final : public Checker {
     if (world_.obstacles().empty()) return std::nullopt;
     place(q);
     Proximity found{0, std::numeric_limits<double>::infinity(), std::nullopt};
+    const auto compare = [&](std::size_t obstacle, double distance) {
+      if (distance < found.distance || (distance == found.distance && obstacle < found.obstacle)) {
+        found = {obstacle, distance, std::nullopt};
+      }
+    };
     for (const std::size_t b : solid_) {
       for (std::size_t i = 1; i < placed_[b].size(); ++i) {
-        const NearestObstacle near = distance_->nearest(placed_[b][i]);
-        const double distance = near.distance - model_.bodies()[b][i].radius;
-        if (distance < found.distance) found = {near.obstacle, distance, near.point};
+        const double r = model_.bodies()[b][i].radius;
+        for (const Primitive& primitive : obstacles_->primitives) {
+          compare(primitive.obstacle, primitive.distance(placed_[b][i]) - r);
+        }
+        if (!obstacles_->meshes) continue;
+        const NearestObstacle near = obstacles_->meshes->nearest(placed_[b][i]);
+        compare(obstacles_->of_mesh[near.obstacle], near.distance - r);
       }
     }
     if (found.distance <= slack_) found = {found.obstacle, 0.0, std::nullopt};
@@ -109,9 +240,16 @@ class SphereChecker final : public Checker {
       if (margin_of(b) <= -slack_) return Contact{b, std::nullopt};
       std::optional<std::size_t> first;
       for (std::size_t i = 1; i < placed_[b].size(); ++i) {
-        const NearestObstacle near = distance_->nearest(placed_[b][i]);
-        if (near.distance - model_.bodies()[b][i].radius <= slack_)
-          first = std::min(first.value_or(near.obstacle), near.obstacle);
+        const double r = model_.bodies()[b][i].radius;
+        for (const Primitive& primitive : obstacles_->primitives) {
+          if (primitive.distance(placed_[b][i]) - r <= slack_)
+            first = std::min(first.value_or(primitive.obstacle), primitive.obstacle);
+        }
+        if (!obstacles_->meshes) continue;
+        const NearestObstacle near = obstacles_->meshes->nearest(placed_[b][i]);
+        if (near.distance - r > slack_) continue;
+        const std::size_t obstacle = obstacles_->of_mesh[near.obstacle];
+        first = std::min(first.value_or(obstacle), obstacle);
       }
       if (first) return Contact{b, first};
     }
@@ -130,13 +268,96 @@ class SphereChecker final : public Checker {
     return most;
   }
 
+  /// Computes the frames of all bodies at q.
+  void move(View q) const {
+    frames_[0] = {matrix_of(base_.orientation), base_.position};
+    for (std::size_t b = 1; b < frames_.size(); ++b) {
+      const Manipulator::Body& body = robot_.bodies()[b];
+      const BodyFrame& parent = frames_[body.parent];
+      BodyFrame& frame = frames_[b];
+      const JointTurn& turn = turns_[b];
+      if (body.kind == Joint::Kind::planar) {
+        const Pose3 pose = robot_.joint_pose(b, q);
+        frame = {times(parent.r, matrix_of(pose.orientation)), parent(pose.position)};
+        continue;
+      }
+      const double value = body.multiplier * q[body.column] + body.offset;
+      if (body.kind == Joint::Kind::prismatic) {
+        const Matrix3& o = turn.origin;
+        const Vec3 along = value * body.axis;
+        const Vec3 moved{o[0] * along.x + o[1] * along.y + o[2] * along.z,
+                         o[3] * along.x + o[4] * along.y + o[5] * along.z,
+                         o[6] * along.x + o[7] * along.y + o[8] * along.z};
+        frame = {times(parent.r, turn.origin), parent(body.origin.position + moved)};
+        continue;
+      }
+      const double sine = std::sin(value);
+      const double rest = 1.0 - std::cos(value);
+      Matrix3 local{};
+      for (std::size_t k = 0; k < 9; ++k) local[k] = turn.origin[k] + sine * turn.once[k] + rest * turn.twice[k];
+      frame = {times(parent.r, local), parent(body.origin.position)};
+    }
+  }
+
+  /// Places the ball about each body.
+  void place_wholes() const {
+    for (const std::size_t b : solid_) placed_[b][0] = frames_[b](model_.bodies()[b][0].centre);
+  }
+  /// Places the balls of a body.
+  void place_balls(std::size_t b) const {
+    for (std::size_t i = 1; i < placed_[b].size(); ++i) placed_[b][i] = frames_[b](model_.bodies()[b][i].centre);
+  }
   /// Places all balls at q.
   void place(View q) const {
-    robot_.poses(q, poses_);
-    for (const std::size_t b : solid_) {
-      const Pose3 pose = base_ * poses_[b];
-      for (std::size_t i = 0; i < placed_[b].size(); ++i) placed_[b][i] = pose(model_.bodies()[b][i].centre);
+    move(q);
+    place_wholes();
+    for (const std::size_t b : solid_) place_balls(b);
+  }
+
+  /// The distance of a body's balls from the obstacles, or `enough` where it is not less; at most 0 in contact.
+  [[nodiscard]] double distance_of(std::size_t b, double enough) const {
+    const auto& balls = model_.bodies()[b];
+    double least = enough;
+    for (const Primitive& primitive : obstacles_->primitives) {
+      if (norm(placed_[b][0] - primitive.centre) - primitive.far - balls[0].radius >= least) continue;
+      if (primitive.distance(placed_[b][0]) - balls[0].radius >= least) continue;
+      for (std::size_t i = 1; i < balls.size(); ++i) {
+        least = std::min(least, primitive.distance(placed_[b][i]) - balls[i].radius);
+      }
     }
+    if (obstacles_->meshes && (*obstacles_->meshes)(placed_[b][0]) - balls[0].radius < least) {
+      for (std::size_t i = 1; i < balls.size(); ++i) {
+        least = std::min(least, (*obstacles_->meshes)(placed_[b][i]) - balls[i].radius);
+      }
+    }
+    return least;
+  }
+
+  /// A bound on how far the points of a body move from where it is placed, on a part of a motion to either side: the
+  /// arms at which joints turn it are at most those of now, and what it moves by meanwhile.
+  /// \param half  share of the motion to either side
+  /// \param change  of the coordinates on the whole motion
+  /// \param coarse  another bound
+  [[nodiscard]] double displacement_near(std::size_t body, double half, View change, double coarse) const {
+    const Vec3& centre = placed_[body][0];
+    const double radius = model_.bodies()[body][0].radius;
+    double sum = 0.0;
+    for (std::size_t at = body; at != 0; at = robot_.bodies()[at].parent) {
+      const Manipulator::Body& joint = robot_.bodies()[at];
+      if (joint.kind == Joint::Kind::planar) return coarse;
+      const double by = half * std::abs(joint.multiplier * change[joint.column]);
+      if (by == 0.0) continue;
+      if (joint.kind == Joint::Kind::prismatic) {
+        sum += by;
+        continue;
+      }
+      const Matrix3& r = frames_[at].r;
+      const Vec3& a = joint.axis;
+      const Vec3 axis{r[0] * a.x + r[1] * a.y + r[2] * a.z, r[3] * a.x + r[4] * a.y + r[5] * a.z,
+                      r[6] * a.x + r[7] * a.y + r[8] * a.z};
+      sum += by * (norm(cross(axis, centre - frames_[at].p)) + radius + 2.0 * coarse);
+    }
+    return std::min(sum, coarse);
   }
 
   /// The distance of a body from the bounds that contain it; infinity where none do.
@@ -170,19 +391,16 @@ class SphereChecker final : public Checker {
   }
 
   [[nodiscard]] bool free_at(View q) const {
-    place(q);
-    for (const std::size_t b : solid_) {
-      if (margin_of(b) <= -slack_) return false;
-      const auto& balls = model_.bodies()[b];
-      if ((*distance_)(placed_[b][0]) - balls[0].radius > slack_) continue;
-      for (std::size_t i = 1; i < balls.size(); ++i) {
-        if ((*distance_)(placed_[b][i]) - balls[i].radius <= slack_) return false;
-      }
+    move(q);
+    place_wholes();
+    // Contact is likelier far from the base.
+    for (std::size_t k = solid_.size(); k-- > 0;) {
+      const std::size_t b = solid_[k];
+      place_balls(b);
+      if (margin_of(b) <= -slack_ || distance_of(b, 2.0 * slack_) <= slack_) return false;
     }
-    return std::all_of(model_.pairs().begin(), model_.pairs().end(), [&](const auto& pair) {
-      constexpr double far = 1.0;
-      return gap(pair.first, pair.second, far) > slack_;
-    });
+    return std::all_of(model_.pairs().begin(), model_.pairs().end(),
+                       [&](const auto& pair) { return gap(pair.first, pair.second, 2.0 * slack_) > slack_; });
   }
 
   /// The least distance of the placed robot from everything, `at_most` where it is not less.
@@ -197,10 +415,8 @@ class SphereChecker final : public Checker {
     for (const std::size_t b : solid_) {
       const double by = moved != nullptr ? (*moved)[b] : 0.0;
       note(margin_of(b), by);
-      const auto& balls = model_.bodies()[b];
-      const double whole = (*distance_)(placed_[b][0]) - balls[0].radius;
-      if (whole - by >= certain && whole >= least) continue;
-      for (std::size_t i = 1; i < balls.size(); ++i) note((*distance_)(placed_[b][i]) - balls[i].radius, by);
+      const double enough = std::max(least, certain + by);
+      if (const double found = distance_of(b, enough); found < enough) note(found, by);
     }
     for (const auto& [a, b] : model_.pairs()) {
       const double by = moved != nullptr ? (*moved)[a] + (*moved)[b] : 0.0;
@@ -211,14 +427,33 @@ class SphereChecker final : public Checker {
     return least;
   }
 
+  /// Whether everything is farther from the robot, whose wholes are placed, than `margin` and the displacements.
+  [[nodiscard]] bool apart_by(double margin, const std::vector<double>& moved) const {
+    for (std::size_t k = solid_.size(); k-- > 0;) {
+      const std::size_t b = solid_[k];
+      place_balls(b);
+      const double by = margin + moved[b];
+      if (margin_of(b) <= by || distance_of(b, std::nextafter(by, 2.0 * by)) <= by) return false;
+    }
+    return std::all_of(model_.pairs().begin(), model_.pairs().end(), [&](const auto& pair) {
+      const double by = margin + moved[pair.first] + moved[pair.second];
+      return gap(pair.first, pair.second, std::nextafter(by, 2.0 * by)) > by;
+    });
+  }
+
   /// The distances on a motion.
   class Clearances final : public MotionClearance {
    public:
     Clearances(const SphereChecker& checker, View a, View b)
-        : checker_(checker), a_(a), b_(b), whole_(checker.model_.bodies().size(), 0.0), moved_(whole_.size()) {
-      checker.space_.difference(a, b, checker.change_);
+        : checker_(checker),
+          a_(a),
+          b_(b),
+          whole_(checker.model_.bodies().size(), 0.0),
+          moved_(whole_.size()),
+          change_(checker.space_.dimension()) {
+      checker.space_.difference(a, b, change_);
       for (const std::size_t body : checker.solid_) {
-        whole_[body] = checker.robot_.displacement_bound(body, checker.change_);
+        whole_[body] = checker.robot_.displacement_bound(body, change_);
         displacement_ = std::max(displacement_, whole_[body]);
       }
     }
@@ -227,26 +462,39 @@ class SphereChecker final : public Checker {
     [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
       unsigned found = 0;
       for (std::size_t i = 0; i < shares.size(); ++i) {
-        if (near(shares[i], half, margin + checker_.slack_).sure > margin) found |= 1U << i;
+        place(shares[i], half);
+        if (checker_.apart_by(margin + checker_.slack_, moved_)) found |= 1U << i;
       }
       return found;
     }
     [[nodiscard]] Near near(double share, double half, double at_most) override {
-      checker_.space_.interpolate(a_, b_, share, checker_.q_);
-      checker_.place(checker_.q_);
-      for (std::size_t b = 0; b < whole_.size(); ++b) moved_[b] = half * whole_[b];
+      place(share, half);
+      for (const std::size_t b : checker_.solid_) checker_.place_balls(b);
       double sure = 0.0;
       const double distance = checker_.distance_at(at_most + 2.0 * half * displacement_, &moved_, &sure);
       if (distance <= checker_.slack_) return {0.0, std::min(sure, 0.0)};
-      return {std::min(distance, at_most), std::min(sure - checker_.slack_, at_most)};
+      // The displacements of an arm are bounded coarsely: shorter intervals for a closer bound would cost more than the
+      // search.
+      return {std::min(distance, at_most), std::min(sure - checker_.slack_, at_most), true};
     }
 
    private:
+    /// Places the robot, and bounds how far its bodies move to either side.
+    void place(double share, double half) {
+      checker_.space_.interpolate(a_, b_, share, checker_.q_);
+      checker_.move(checker_.q_);
+      checker_.place_wholes();
+      for (const std::size_t b : checker_.solid_) {
+        moved_[b] = checker_.displacement_near(b, half, change_, half * whole_[b]);
+      }
+    }
+
     const SphereChecker& checker_;
     View a_;
     View b_;
     std::vector<double> whole_;  ///< of each body, on the whole motion
     std::vector<double> moved_;
+    Configuration change_;  ///< of the coordinates on the whole motion
     double displacement_ = 0.0;
   };
 
@@ -258,12 +506,13 @@ class SphereChecker final : public Checker {
   Space space_;
   double resolution_;
   double slack_;
-  std::shared_ptr<const ObstacleDistance> distance_;
+  std::shared_ptr<const SolidObstacles> obstacles_;
+  std::vector<JointTurn> turns_;    ///< of each body
   std::vector<std::size_t> solid_;  ///< bodies with balls
   // Scratch.
   mutable Configuration q_;
   mutable Configuration change_;
-  mutable std::vector<Pose3> poses_;
+  mutable std::vector<BodyFrame> frames_;          ///< of each body in the world
   mutable std::vector<std::vector<Vec3>> placed_;  ///< the centres of each body's balls
 };
 

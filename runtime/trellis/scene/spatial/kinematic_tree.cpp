@@ -283,18 +283,17 @@ Manipulator Manipulator::with_moving(std::vector<std::size_t> moving) const {
   return {tree_, std::move(moving), values_};
 }
 
+Pose3 Manipulator::joint_pose(std::size_t body, View q) const {
+  const Body& of = bodies_[body];
+  if (of.kind == Joint::Kind::planar) return of.origin * moved(of.kind, of.axis, q.subspan(of.column, 3));
+  const double value = of.multiplier * q[of.column] + of.offset;
+  return of.origin * moved(of.kind, of.axis, View(&value, 1));
+}
+
 void Manipulator::poses(View q, std::vector<Pose3>& out) const {
   out.resize(bodies_.size());
   out[0] = {};
-  for (std::size_t b = 1; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
-    if (body.kind == Joint::Kind::planar) {
-      out[b] = out[body.parent] * body.origin * moved(body.kind, body.axis, q.subspan(body.column, 3));
-      continue;
-    }
-    const double value = body.multiplier * q[body.column] + body.offset;
-    out[b] = out[body.parent] * body.origin * moved(body.kind, body.axis, View(&value, 1));
-  }
+  for (std::size_t b = 1; b < bodies_.size(); ++b) out[b] = out[bodies_[b].parent] * joint_pose(b, q);
 }
 
 Pose3 Manipulator::pose_of(std::size_t link, View q) const {

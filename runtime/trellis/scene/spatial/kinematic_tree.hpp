@@ -123,6 +123,8 @@ class Manipulator {
   /// Computes the poses of all bodies in the frame of the base (forward kinematics).
   /// \param q  `dimension` numbers, which is not checked
   void poses(View q, std::vector<Pose3>& out) const;
+  /// Returns the pose of a body in its parent's frame.
+  [[nodiscard]] Pose3 joint_pose(std::size_t body, View q) const;
   /// Returns the pose of a link in the frame of the base.
   [[nodiscard]] Pose3 pose_of(std::size_t link, View q) const;
   /// Returns a bound, in metres, on how far the points of a body move on the straight motion whose coordinates change
