@@ -59,7 +59,7 @@ int main(int count, char** arguments) {
     const std::string guide = given.size() > 4 ? given[4] : "";
     const double resolution = given.size() > 5 ? std::stod(given[5]) : 0.05;
     const double step = given.size() > 6 ? std::stod(given[6]) : 1.0;
-    const PlannerSpec planner = PlannerSpec::make("rrt_connect", {{"step", step}, {"seconds", 10.0}});
+    const PlannerSpec planner = PlannerSpec::make("rrt_connect", {{"step", step}, {"seconds", 10.0}, {"proposals", 1e7}});
     StrategySpec strategy(planner);
     if (!guide.empty()) strategy = GuideSpec::make(guide, {}) >> planner;
     std::map<std::string, Scenario> scenarios;
@@ -82,6 +82,10 @@ int main(int count, char** arguments) {
       ++scenario.problems;
       const auto checker = make_checker("spheres", problem.scene, problem.space, resolution);
       if (!checker->valid(problem.start) || !checker->valid(problem.goal())) continue;
+      if (!problem.space.contains(problem.start) || !problem.space.contains(problem.goal())) {
+        std::printf("# beyond the limits: %s\n", text.c_str());
+        continue;
+      }
       ++scenario.valid;
       const double before = bench::cpu_seconds();
       const RunRecord run = execute(strategy, problem, 1);

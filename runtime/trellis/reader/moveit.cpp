@@ -83,7 +83,14 @@ class Values {
         throw entry.error(
             fmt::format("the {} lacks joint '{}'", what, robot_.tree().joints()[robot_.moving()[k]].name));
       }
-      q.push_back(*values_[k]);
+      // Files round values at the limits.
+      constexpr double rounding = 1e-4;
+      const Joint& joint = robot_.tree().joints()[robot_.moving()[k]];
+      const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
+      double value = *values_[k];
+      if (limited && value < joint.lo && value > joint.lo - rounding) value = joint.lo;
+      if (limited && value > joint.hi && value < joint.hi + rounding) value = joint.hi;
+      q.push_back(value);
     }
     return q;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
@@ -29,12 +30,22 @@ class SrdfReader {
       });
     }
     for (const XmlEntry& entry : robot_.children("group_state")) errors_.attempt([&] { read_state(entry); });
+    // Files of a robot's other models name links that this one lacks.
+    std::set<std::string> unknown;
     for (const XmlEntry& entry : robot_.children("disable_collisions")) {
       errors_.attempt([&] {
-        const std::size_t a = link(entry, "link1");
-        const std::size_t b = link(entry, "link2");
-        file_.disabled.emplace_back(std::min(a, b), std::max(a, b));
+        const std::string first = entry.word("link1");
+        const std::string second = entry.word("link2");
+        const auto a = tree_.find_link(first);
+        const auto b = tree_.find_link(second);
+        if (!a) unknown.insert(first);
+        if (!b) unknown.insert(second);
+        if (a && b) file_.disabled.emplace_back(std::min(*a, *b), std::max(*a, *b));
       });
+    }
+    if (!unknown.empty()) {
+      file_.warnings.push_back(
+          fmt::format("pairs of links that the robot lacks are ignored: {}", fmt::join(unknown, ", ")));
     }
     errors_.raise();
     std::sort(file_.disabled.begin(), file_.disabled.end());
