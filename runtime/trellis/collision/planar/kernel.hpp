@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <trellis/collision/spatial/sphere_kernel.hpp>
+
 // The interface between the separating-axis kernels and the other sources: plain data and a table of functions. The
 // compiler builds the kernel sources for other instruction sets than the rest. So this header must not include an
 // inline function: the linker could pick the kernel's copy for the whole program.
@@ -80,6 +82,15 @@ struct Table {
   /// Returns the lanes in which the piece touches one of the listed obstacles. Stops early once the first lane does.
   unsigned (*collide)(const Placed& placed, const Piece& piece, const Piece* obstacles, const unsigned* candidates,
                       unsigned count);
+  /// Computes the frames of a manipulator's bodies: twelve lanes each, the matrix row by row and the position. Those of
+  /// the first one, the base, are given.
+  /// \param values  of the coordinates
+  void (*move_chain)(const ChainBody* bodies, unsigned count, const Lanes* values, Lanes* frames);
+  /// Returns the lanes in which a manipulator touches something. Stops early once the first lane does.
+  /// \param centres  memory for three lanes of each ball
+  /// \param candidates  memory for a number of each solid
+  unsigned (*meet_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Scene3& scene,
+                         Lanes* centres, unsigned* candidates);
 };
 
 extern const Table baseline;

@@ -38,6 +38,7 @@ inline V abs(V p) {
   const __m256d sign = _mm256_set1_pd(-0.0);
   return {_mm256_andnot_pd(sign, p.a), _mm256_andnot_pd(sign, p.b)};
 }
+inline V root(V p) { return {_mm256_sqrt_pd(p.a), _mm256_sqrt_pd(p.b)}; }
 inline V negative_where(M m, V p) {
   const __m256d sign = _mm256_set1_pd(-0.0);
   return {_mm256_xor_pd(p.a, _mm256_and_pd(m.a, sign)), _mm256_xor_pd(p.b, _mm256_and_pd(m.b, sign))};
@@ -47,10 +48,11 @@ inline unsigned bits(M m) {
 }
 
 #include <trellis/collision/planar/kernel_impl.inl>
+#include <trellis/collision/spatial/sphere_kernel.inl>
 
 }  // namespace
 
-const Table avx2 = {"avx2", &poses_of, &place, &outside, &collide};
+const Table avx2 = {"avx2", &poses_of, &place, &outside, &collide, &move_chain, &meet_chain};
 
 }  // namespace trellis::kernel
 

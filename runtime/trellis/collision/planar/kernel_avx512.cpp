@@ -38,14 +38,16 @@ inline V select(M m, V p, V q) { return {_mm512_mask_blend_pd(m.a, q.a, p.a)}; }
 inline V min(V p, V q) { return {_mm512_min_pd(p.a, q.a)}; }
 inline V max(V p, V q) { return {_mm512_max_pd(p.a, q.a)}; }
 inline V abs(V p) { return {_mm512_andnot_pd(_mm512_set1_pd(-0.0), p.a)}; }
+inline V root(V p) { return {_mm512_sqrt_pd(p.a)}; }
 inline V negative_where(M m, V p) { return {_mm512_mask_xor_pd(p.a, m.a, p.a, _mm512_set1_pd(-0.0))}; }
 inline unsigned bits(M m) { return m.a; }
 
 #include <trellis/collision/planar/kernel_impl.inl>
+#include <trellis/collision/spatial/sphere_kernel.inl>
 
 }  // namespace
 
-const Table avx512 = {"avx512", &poses_of, &place, &outside, &collide};
+const Table avx512 = {"avx512", &poses_of, &place, &outside, &collide, &move_chain, &meet_chain};
 
 }  // namespace trellis::kernel
 

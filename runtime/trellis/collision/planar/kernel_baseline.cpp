@@ -51,6 +51,7 @@ inline V abs(const V& a) {
   const PairMask all_but_sign = {0x7fffffffffffffffLL, 0x7fffffffffffffffLL};
   TRELLIS_EACH_PAIR(V, reinterpret_cast<Pair>(reinterpret_cast<PairMask>(a.p[i]) & all_but_sign));
 }
+inline V root(const V& a) { TRELLIS_EACH_PAIR(V, (Pair{__builtin_sqrt(a.p[i][0]), __builtin_sqrt(a.p[i][1])})); }
 inline V negative_where(const M& m, const V& a) {
   const PairMask sign = {static_cast<long long>(0x8000000000000000ULL), static_cast<long long>(0x8000000000000000ULL)};
   TRELLIS_EACH_PAIR(V, reinterpret_cast<Pair>(reinterpret_cast<PairMask>(a.p[i]) ^ (m.p[i] & sign)));
@@ -67,9 +68,10 @@ inline unsigned bits(const M& m) {
 #undef TRELLIS_EACH_PAIR
 
 #include <trellis/collision/planar/kernel_impl.inl>
+#include <trellis/collision/spatial/sphere_kernel.inl>
 
 }  // namespace
 
-const Table baseline = {"baseline", &poses_of, &place, &outside, &collide};
+const Table baseline = {"baseline", &poses_of, &place, &outside, &collide, &move_chain, &meet_chain};
 
 }  // namespace trellis::kernel

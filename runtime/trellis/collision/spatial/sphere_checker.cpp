@@ -2,6 +2,7 @@
 // The checker of manipulators: balls among the obstacles of space, and against each other.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -14,6 +15,7 @@
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/common.hpp>
 #include <trellis/collision/orders.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 #include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
@@ -175,20 +177,42 @@ class SphereChecker final : public Checker {
     }
     placed_.resize(model_.bodies().size());
     for (std::size_t b = 0; b < placed_.size(); ++b) placed_[b].resize(model_.bodies()[b].size());
+    make_batches();
   }
 
-  [[nodiscard]] bool valid(View q) const override { return is_finite(q, robot_.dimension()) && free_at(q); }
+  [[nodiscard]] bool valid(View q) const override {
+    if (!is_finite(q, robot_.dimension())) return false;
+    if (!batched_) return free_at(q);
+    for (std::size_t j = 0; j < robot_.dimension(); ++j) {
+      for (double& value : values_[j].v) value = q[j];
+    }
+    return (met() & 1U) == 0;
+  }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(displacement(a, b), resolution_);
     const Order& order = order_of(n);
-    for (std::uint32_t rank = 0; rank < n; ++rank) {
-      const double share = order.share(rank);
-      space_.interpolate(a, b, share, q_);
-      if (!free_at(q_)) return {false, rank + 1, share};
+    const MotionReport valid{true, n, std::numeric_limits<double>::quiet_NaN()};
+    if (!batched_) {
+      for (std::uint32_t rank = 0; rank < n; ++rank) {
+        const double share = order.share(rank);
+        space_.interpolate(a, b, share, q_);
+        if (!free_at(q_)) return {false, rank + 1, share};
+      }
+      return valid;
     }
-    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+    for (std::uint32_t rank = 0; rank < n; rank += kernel::lanes) {
+      for (std::uint32_t lane = 0; lane < kernel::lanes; ++lane) {
+        space_.interpolate(a, b, order.share(rank + lane), q_);
+        for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
+      }
+      const unsigned hit = met();
+      if (hit == 0) continue;
+      const auto first = rank + static_cast<std::uint32_t>(std::countr_zero(hit));
+      if (first < n) return {false, first + 1, order.share(first)};
+    }
+    return valid;
   }
 
   void certify(View a, View b, Certificate& certificate) const override {
@@ -260,6 +284,92 @@ class SphereChecker final : public Checker {
   }
 
  private:
+  /// Prepares what the kernels read.
+  void make_batches() {
+    const auto& bodies = robot_.bodies();
+    batched_ = !obstacles_->meshes && std::none_of(bodies.begin(), bodies.end(), [](const Manipulator::Body& body) {
+      return body.kind == Joint::Kind::planar;
+    });
+    if (!batched_) return;
+    unsigned centres = 0;
+    for (const auto& balls : model_.bodies()) {
+      for (const BodySphere& ball : balls) balls_.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
+    }
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const Manipulator::Body& body = bodies[b];
+      kernel::ChainBody& made = chain_.emplace_back();
+      made.parent = static_cast<unsigned>(body.parent);
+      made.slides = body.kind == Joint::Kind::prismatic;
+      made.column = static_cast<unsigned>(body.column);
+      made.multiplier = body.multiplier;
+      made.offset = body.offset;
+      std::copy(turns_[b].origin.begin(), turns_[b].origin.end(), made.origin);
+      std::copy(turns_[b].once.begin(), turns_[b].once.end(), made.once);
+      std::copy(turns_[b].twice.begin(), turns_[b].twice.end(), made.twice);
+      const Vec3 axis = BodyFrame{turns_[b].origin, {}}(body.axis);
+      const Vec3& p = body.origin.position;
+      made.position[0] = p.x;
+      made.position[1] = p.y;
+      made.position[2] = p.z;
+      made.axis[0] = axis.x;
+      made.axis[1] = axis.y;
+      made.axis[2] = axis.z;
+      made.balls = balls_.data() + centres;
+      made.ball_count = static_cast<unsigned>(model_.bodies()[b].size());
+      made.first_centre = centres;
+      centres += made.ball_count;
+    }
+    for (const Primitive& primitive : obstacles_->primitives) {
+      kernel::Solid3& made = solids_.emplace_back();
+      made.kind = static_cast<kernel::Solid3::Kind>(primitive.kind);
+      std::copy(primitive.r.begin(), primitive.r.end(), made.r);
+      made.x = primitive.centre.x;
+      made.y = primitive.centre.y;
+      made.z = primitive.centre.z;
+      made.hx = primitive.half.x;
+      made.hy = primitive.half.y;
+      made.hz = primitive.half.z;
+      made.radius = primitive.radius;
+      made.length = primitive.length;
+      made.far = primitive.far;
+    }
+    for (const auto& [a, b] : model_.pairs()) {
+      pairs_.push_back(static_cast<unsigned>(a));
+      pairs_.push_back(static_cast<unsigned>(b));
+    }
+    scene3_.solids = solids_.data();
+    scene3_.solid_count = static_cast<unsigned>(solids_.size());
+    scene3_.pairs = pairs_.data();
+    scene3_.pair_count = static_cast<unsigned>(model_.pairs().size());
+    scene3_.slack = slack_;
+    still_.assign(bodies.size(), 0.0);
+    scene3_.moved = still_.data();
+    scene3_.bounded = world_.contain() == Contain::robot;
+    const auto& [lo, hi] = world_.bounds();
+    for (unsigned k = 0; k < 3; ++k) {
+      scene3_.lo[k] = k == 0 ? lo.x : k == 1 ? lo.y : lo.z;
+      scene3_.hi[k] = k == 0 ? hi.x : k == 1 ? hi.y : hi.z;
+    }
+    values_.resize(robot_.dimension());
+    frames3_.resize(12 * bodies.size());
+    centres_.resize(std::size_t{3} * centres);
+    candidates_.resize(solids_.size() + 1);
+    const Matrix3 base = matrix_of(base_.orientation);
+    for (double& value : frames3_[9].v) value = base_.position.x;
+    for (double& value : frames3_[10].v) value = base_.position.y;
+    for (double& value : frames3_[11].v) value = base_.position.z;
+    for (std::size_t k = 0; k < 9; ++k) {
+      for (double& value : frames3_[k].v) value = base[k];
+    }
+  }
+  /// The lanes of `values_` in which the robot touches something.
+  [[nodiscard]] unsigned met() const { return met(scene3_); }
+  [[nodiscard]] unsigned met(const kernel::Scene3& scene) const {
+    const auto count = static_cast<unsigned>(chain_.size());
+    kernel_.move_chain(chain_.data(), count, values_.data(), frames3_.data());
+    return kernel_.meet_chain(chain_.data(), count, frames3_.data(), scene, centres_.data(), candidates_.data());
+  }
+
   /// A bound on how far the robot's points move from a to b.
   [[nodiscard]] double displacement(View a, View b) const {
     space_.difference(a, b, change_);
@@ -460,12 +570,24 @@ class SphereChecker final : public Checker {
     [[nodiscard]] double displacement() const { return displacement_; }
 
     [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
-      unsigned found = 0;
-      for (std::size_t i = 0; i < shares.size(); ++i) {
-        place(shares[i], half);
-        if (checker_.apart_by(margin + checker_.slack_, moved_)) found |= 1U << i;
+      if (!checker_.batched_) {
+        unsigned found = 0;
+        for (std::size_t i = 0; i < shares.size(); ++i) {
+          place(shares[i], half);
+          if (checker_.apart_by(margin + checker_.slack_, moved_)) found |= 1U << i;
+        }
+        return found;
       }
-      return found;
+      for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
+        checker_.space_.interpolate(a_, b_, shares[std::min(lane, shares.size() - 1)], checker_.q_);
+        for (std::size_t j = 0; j < checker_.values_.size(); ++j) checker_.values_[j].v[lane] = checker_.q_[j];
+      }
+      for (std::size_t b = 0; b < whole_.size(); ++b) moved_[b] = half * whole_[b];
+      kernel::Scene3 scene = checker_.scene3_;
+      scene.slack = margin + checker_.slack_;
+      scene.moved = moved_.data();
+      scene.all_lanes = true;
+      return ~checker_.met(scene) & ((1U << shares.size()) - 1U);
     }
     [[nodiscard]] Near near(double share, double half, double at_most) override {
       place(share, half);
@@ -509,9 +631,22 @@ class SphereChecker final : public Checker {
   std::shared_ptr<const SolidObstacles> obstacles_;
   std::vector<JointTurn> turns_;    ///< of each body
   std::vector<std::size_t> solid_;  ///< bodies with balls
+  // For the kernels, which decide eight configurations at a time; without meshes, and for a base that does not move.
+  bool batched_ = false;
+  const kernel::Table& kernel_ = kernel::best();
+  std::vector<kernel::Ball> balls_;
+  std::vector<kernel::ChainBody> chain_;
+  std::vector<kernel::Solid3> solids_;
+  std::vector<unsigned> pairs_;
+  std::vector<double> still_;  ///< bodies that do not move further
+  kernel::Scene3 scene3_;
   // Scratch.
   mutable Configuration q_;
   mutable Configuration change_;
+  mutable std::vector<kernel::Lanes> values_;
+  mutable std::vector<kernel::Lanes> frames3_;
+  mutable std::vector<kernel::Lanes> centres_;
+  mutable std::vector<unsigned> candidates_;
   mutable std::vector<BodyFrame> frames_;          ///< of each body in the world
   mutable std::vector<std::vector<Vec3>> placed_;  ///< the centres of each body's balls
 };

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// What the kernels of manipulators share with the other sources: plain data, as planar/kernel.hpp says.
+
+namespace trellis::kernel {
+
+struct Lanes;
+
+struct Ball {
+  double x, y, z, radius;
+};
+
+/// A body of a manipulator and the joint that carries it. Matrices are row by row.
+struct ChainBody {
+  unsigned parent = 0;  ///< of lower number; the first body is the base
+  bool slides = false;  ///< along `axis`; otherwise it turns
+  unsigned column = 0;  ///< of its joint's coordinate
+  double multiplier = 1.0, offset = 0.0;
+  double origin[9] = {};        // NOLINT(modernize-avoid-c-arrays): as in Lanes
+  double once[9] = {};          // NOLINT: the turn's matrix is origin + sin * once + (1 - cos) * twice
+  double twice[9] = {};         // NOLINT
+  double position[3] = {};      // NOLINT: of the joint in the parent's frame
+  double axis[3] = {};          // NOLINT: in the parent's frame, of a slide
+  const Ball* balls = nullptr;  ///< the first one contains the others
+  unsigned ball_count = 0;
+  unsigned first_centre = 0;  ///< of its balls among those of all bodies
+};
+
+/// A convex obstacle of space.
+struct Solid3 {
+  enum class Kind : unsigned char { sphere, box, cylinder, capsule };
+  Kind kind = Kind::sphere;
+  double r[9] = {};  // NOLINT: from the world to its frame
+  double x = 0.0, y = 0.0, z = 0.0;
+  double hx = 0.0, hy = 0.0, hz = 0.0;  ///< half extents of a box
+  double radius = 0.0, length = 0.0;    ///< length: half of it
+  double far = 0.0;                     ///< radius of a ball about its centre that contains it
+};
+
+/// What a manipulator must not touch.
+struct Scene3 {
+  const Solid3* solids = nullptr;
+  unsigned solid_count = 0;
+  const unsigned* pairs = nullptr;  ///< two bodies each
+  unsigned pair_count = 0;
+  bool bounded = false;           ///< whether the balls must lie within lo and hi
+  double lo[3] = {};              // NOLINT
+  double hi[3] = {};              // NOLINT
+  double slack = 0.0;             ///< a gap of at most this, and what the bodies move by, is contact
+  const double* moved = nullptr;  ///< of each body
+  bool all_lanes = false;         ///< whether all lanes are decided although the first one is in contact
+};
+
+}  // namespace trellis::kernel
