@@ -1,46 +1,70 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A strategy on the problems of MotionBenchMaker, a line for each scenario: solved, CPU time, checks, length.
+// The strategies of a script on many problems, in groups: those whose names begin alike, "cage/0001" and "cage/0003".
 //
-//   bench_arms ROBOT.urdf ROBOT.srdf GROUP FOLDER [STRATEGY [RESOLUTION]]
+//   bench_arms SCRIPT.lua [--hard]
 //
-// FOLDER has a folder for each scenario, with scenes and requests of MoveIt. STRATEGY is shrink, lazy, or "" for none;
-// its planner is rrt_connect.
+// Prints for each strategy a line for each group: problems solved, median and 95th percentile of the CPU time of
+// planning and of the path's certificate, of validity checks over all levels and of the length; and of the checks and
+// the CPU time the median of the ratios to those of the first strategy on the same problem and seed. --hard: only
+// problems on which the first strategy needs more checks than on half of them.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
+#include <limits>
 #include <map>
-#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <trellis/collision/checker.hpp>
-#include <trellis/reader/robot_files.hpp>
-#include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <dsl/language/tools/session.hpp>
 #include <trellis/strategy/executor.hpp>
-#include <trellis/strategy/spec.hpp>
 
 #include "se3_bench.hpp"
 
 namespace {
 
 double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());
   return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
 }
 
-struct Scenario {
-  int problems = 0;
-  int valid = 0;
-  int solved = 0;
-  std::vector<double> us;
-  std::vector<double> path_us;  ///< of the path's certificate
-  std::vector<double> path_checks;
-  std::vector<double> checks;
-  std::vector<double> proposals;
-  std::vector<double> lengths;
+struct Sample {
+  bool solved = false;
+  double us = 0.0;
+  double certificate_us = 0.0;
+  double checks = 0.0;
+  double length = 0.0;
 };
+
+void print_header() {
+  std::printf("  %-24s %9s %9s %9s %9s %9s %9s %8s %7s %7s\n", "group", "solved", "us median", "us 95 %", "cert us",
+              "checks", "checks95", "length", "checks:", "us:");
+}
+
+void print(const std::string& name, const std::vector<Sample>& samples, const std::vector<Sample>& baseline) {
+  std::size_t solved = 0;
+  std::vector<double> us, certificate, checks, lengths, checks_ratio, us_ratio;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    const Sample& b = baseline[i];
+    if (s.solved || b.solved) {
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      checks_ratio.push_back(!s.solved ? infinity : !b.solved ? 0.0 : s.checks / b.checks);
+      us_ratio.push_back(!s.solved ? infinity : !b.solved ? 0.0 : s.us / b.us);
+    }
+    if (!s.solved) continue;
+    ++solved;
+    us.push_back(s.us);
+    certificate.push_back(s.certificate_us);
+    checks.push_back(s.checks);
+    lengths.push_back(s.length);
+  }
+  std::printf("  %-24s %4zu/%4zu %9.0f %9.0f %9.0f %9.0f %9.0f %8.2f %7.2f %7.2f\n", name.c_str(), solved,
+              samples.size(), quantile(us, 0.5), quantile(us, 0.95), quantile(certificate, 0.5), quantile(checks, 0.5),
+              quantile(checks, 0.95), quantile(lengths, 0.5), quantile(checks_ratio, 0.5), quantile(us_ratio, 0.5));
+}
 
 }  // namespace
 
@@ -48,84 +72,46 @@ int main(int count, char** arguments) {
   using namespace trellis;
   try {
     const std::vector<std::string> given(arguments + 1, arguments + count);
-    if (given.size() < 4) throw std::invalid_argument("needs ROBOT.urdf ROBOT.srdf GROUP FOLDER");
-    const UrdfFile urdf = read_urdf(given[0]);
-    const SrdfFile srdf = read_srdf(given[1], urdf.tree);
-    const auto group =
-        std::find_if(srdf.groups.begin(), srdf.groups.end(), [&](const auto& g) { return g.name == given[2]; });
-    if (group == srdf.groups.end()) throw std::invalid_argument("no group " + given[2]);
-    const Manipulator robot(urdf.tree, group->joints);
-    const SphereModel model(robot, self_collision_pairs(robot, srdf.disabled));
-    const std::string guide = given.size() > 4 ? given[4] : "";
-    const double resolution = given.size() > 5 ? std::stod(given[5]) : 0.05;
-    const double step = given.size() > 6 ? std::stod(given[6]) : 1.0;
-    const PlannerSpec planner = PlannerSpec::make("rrt_connect", {{"step", step}, {"seconds", 10.0}, {"proposals", 1e7}});
-    StrategySpec strategy(planner);
-    if (!guide.empty()) strategy = GuideSpec::make(guide, {}) >> planner;
-    std::map<std::string, Scenario> scenarios;
-    std::map<std::string, std::filesystem::path> scenes;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(given[3])) {
-      const std::string name = entry.path().filename().string();
-      if (name.starts_with("scene") && name.ends_with(".yaml")) scenes[entry.path().string()] = entry.path();
-    }
-    for (const auto& [text, path] : scenes) {
-      Scenario& scenario = scenarios[path.parent_path().filename().string()];
-      const MoveitFile file = read_moveit(text, robot, model.bounding_radius());
-      Problem problem;
-      problem.name = path.stem().string();
-      problem.scene = std::make_shared<ManipulatorScene>(file.world, model);
-      problem.space = problem.scene->default_space(1.0);
-      problem.start = file.start;
-      problem.goals = {file.goal};
-      problem.resolution = resolution;
-      problem.collision = "spheres";
-      ++scenario.problems;
-      const auto checker = make_checker("spheres", problem.scene, problem.space, resolution);
-      if (!checker->valid(problem.start) || !checker->valid(problem.goal())) continue;
-      if (!problem.space.contains(problem.start) || !problem.space.contains(problem.goal())) {
-        std::printf("# beyond the limits: %s\n", text.c_str());
-        continue;
+    if (given.empty()) throw std::invalid_argument("needs SCRIPT.lua");
+    const bool hard = given.size() > 1 && given[1] == "--hard";
+    const dsl::Program program = dsl::load_script(given[0]);
+    const Experiment& experiment = program.experiment;
+    std::vector<std::string> groups;
+    std::vector<std::vector<Sample>> all(experiment.strategies.size());
+    for (const Problem& problem : experiment.problems) {
+      for (const std::uint64_t seed : experiment.seeds) {
+        groups.push_back(problem.name.substr(0, problem.name.find('/')));
+        for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+          const double before = bench::cpu_seconds();
+          const RunRecord run = execute(experiment.strategies[s].second, problem, seed);
+          const double after = bench::cpu_seconds();
+          all[s].push_back({run.solved, 1e6 * (after - before), 1e6 * run.path_seconds,
+                            static_cast<double>(run.validity_checks), run.length});
+          if (!run.solved) {
+            std::fprintf(stderr, "not solved: %s by %s\n", problem.name.c_str(),
+                         experiment.strategies[s].first.c_str());
+          }
+        }
       }
-      ++scenario.valid;
-      const double before = bench::cpu_seconds();
-      const RunRecord run = execute(strategy, problem, 1);
-      const double after = bench::cpu_seconds();
-      if (!run.solved) {
-        std::printf("# not solved: %s %s\n", path.parent_path().filename().c_str(), problem.name.c_str());
-        continue;
+    }
+    std::vector<double> first;
+    for (const Sample& sample : all[0]) first.push_back(sample.solved ? sample.checks : 1e300);
+    const double least = hard ? quantile(first, 0.5) : -1.0;
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      std::printf("%s: %s\n", experiment.strategies[s].first.c_str(), experiment.strategies[s].second.text().c_str());
+      print_header();
+      std::map<std::string, std::pair<std::vector<Sample>, std::vector<Sample>>> tables;
+      std::pair<std::vector<Sample>, std::vector<Sample>> whole;
+      for (std::size_t i = 0; i < groups.size(); ++i) {
+        if (first[i] <= least) continue;
+        for (auto* table : {&tables[groups[i]], &whole}) {
+          table->first.push_back(all[s][i]);
+          table->second.push_back(all[0][i]);
+        }
       }
-      ++scenario.solved;
-      scenario.us.push_back(1e6 * (after - before));
-      scenario.path_us.push_back(1e6 * run.path_seconds);
-      scenario.path_checks.push_back(static_cast<double>(run.path_checks));
-      scenario.checks.push_back(static_cast<double>(run.validity_checks));
-      double proposals = 0.0;
-      for (const auto& level : run.levels) proposals += static_cast<double>(level.search.proposals.size());
-      scenario.proposals.push_back(proposals);
-      scenario.lengths.push_back(run.length);
+      for (const auto& [name, table] : tables) print(name, table.first, table.second);
+      print("all", whole.first, whole.second);
     }
-    std::printf("%-28s %8s %6s %6s %10s %10s %8s %8s %10s %10s %8s %8s\n", "scenario", "problems", "valid", "solved",
-                "us median", "us 95 %", "cert us", "cert chk", "checks", "checks95", "props", "length");
-    Scenario all;
-    const auto print = [](const std::string& name, const Scenario& s) {
-      std::printf("%-28s %8d %6d %6d %10.0f %10.0f %8.0f %8.0f %10.0f %10.0f %8.0f %8.2f\n", name.c_str(), s.problems,
-                  s.valid, s.solved, quantile(s.us, 0.5), quantile(s.us, 0.95), quantile(s.path_us, 0.5),
-                  quantile(s.path_checks, 0.5), quantile(s.checks, 0.5), quantile(s.checks, 0.95),
-                  quantile(s.proposals, 0.5), quantile(s.lengths, 0.5));
-    };
-    for (const auto& [name, s] : scenarios) {
-      print(name, s);
-      all.problems += s.problems;
-      all.valid += s.valid;
-      all.solved += s.solved;
-      all.us.insert(all.us.end(), s.us.begin(), s.us.end());
-      all.path_us.insert(all.path_us.end(), s.path_us.begin(), s.path_us.end());
-      all.path_checks.insert(all.path_checks.end(), s.path_checks.begin(), s.path_checks.end());
-      all.checks.insert(all.checks.end(), s.checks.begin(), s.checks.end());
-      all.proposals.insert(all.proposals.end(), s.proposals.begin(), s.proposals.end());
-      all.lengths.insert(all.lengths.end(), s.lengths.begin(), s.lengths.end());
-    }
-    print("all", all);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_arms: %s\n", error.what());
     return 1;

@@ -27,7 +27,7 @@ Read panda(const std::string& folder) {
   UrdfFile urdf = read_urdf(folder + "/panda_spherized.urdf");
   SrdfFile srdf = read_srdf(folder + "/panda.srdf", urdf.tree);
   Manipulator robot(urdf.tree, srdf.groups.front().joints);
-  SphereModel model(robot, self_collision_pairs(robot, srdf.disabled));
+  SphereModel model(robot, srdf.disabled);
   return {std::move(urdf), std::move(srdf), std::move(model)};
 }
 
@@ -46,7 +46,7 @@ TEST_CASE("starts and goals of the Panda's problems are valid but one", "[collis
     const std::string path = entry.path().string();
     if (path.find("scene0") == std::string::npos && path.find("_scene") == std::string::npos) continue;
     if (!path.ends_with(".yaml")) continue;
-    const MoveitFile file = read_moveit(path, robot.model.robot(), robot.model.bounding_radius());
+    const MoveitFile file = read_moveit(path, robot.model);
     const auto scene = std::make_shared<ManipulatorScene>(file.world, robot.model);
     const auto checker = make_checker("spheres", scene, scene->default_space(1.0), 0.05);
     ++count;

@@ -23,6 +23,7 @@
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis::command {
 
@@ -79,11 +80,6 @@ std::string counted(std::size_t n, const std::string& noun) {
   return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
 }
 
-/// Whether a level has positions in the plane or in space, for pictures.
-bool is_spatial(const LevelRecord& record) {
-  return record.position_axes.size() == 3 && record.scene != nullptr && record.scene->spatial() != nullptr;
-}
-
 /// Adds the world of the plane, and the robot at start and goal.
 void add_world(const LevelRecord& record, Sketch& sketch) {
   sketch.bounds = planar(*record.scene).world.bounds();
@@ -117,14 +113,13 @@ class Viewpoint {
   /// Adds the edges of obstacles and bounds, and the robot at start and goal.
   void add_world(const LevelRecord& record, Sketch& sketch) const {
     constexpr std::size_t most_triangles = 3000;
-    const SpatialScene& scene = spatial(*record.scene);
     add_box(sketch);
-    for (const draw::Surface& surface : surfaces_of(scene.world, most_triangles).obstacles) {
+    for (const draw::Surface& surface : surfaces_of(*spatial_world(*record.scene), most_triangles).obstacles) {
       if (!draw::closes_view(surface, lo_, hi_, camera_)) add(surface, sketch.wires);
     }
-    if (scene.robot.is_point() || record.space.dimension() < scene.robot.dimension()) return;
+    if (record.scene->is_point() || record.space.dimension() < record.scene->robot_dimension()) return;
     for (const Configuration& q : {record.start, record.goal}) {
-      for (const draw::Surface& part : placed(scene.robot, q)) add(part, sketch.ends);
+      for (const draw::Surface& part : placed(*record.scene, q)) add(part, sketch.ends);
     }
   }
 
@@ -179,7 +174,7 @@ class Viewpoint {
 Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
   const LevelRecord& record = run.result().levels.at(level).record;
   const auto& axes = record.position_axes;
-  const bool in_space = is_spatial(record);
+  const bool in_space = has_positions(record);
   if (!in_space && (axes.size() < 2 || record.scene == nullptr || record.scene->planar() == nullptr)) {
     throw Error(fmt::format("plot: level {}, {}, has no position in the plane or in space", level, record.name));
   }
@@ -187,10 +182,8 @@ Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
     throw Error(fmt::format("plot: level {}, {}, is in the plane, which is drawn from above", level, record.name));
   }
   std::optional<Viewpoint> view;
-  if (in_space) view.emplace(record.scene->spatial()->world, from);
-  const auto at = [&](View q) {
-    return view ? (*view)({q[axes[0]], q[axes[1]], q[axes[2]]}) : Point{q[axes[0]], q[axes[1]]};
-  };
+  if (in_space) view.emplace(*spatial_world(*record.scene), from);
+  const auto at = [&](View q) { return view ? (*view)(position_in(record, q)) : Point{q[axes[0]], q[axes[1]]}; };
   Sketch sketch;
   if (view) {
     view->add_world(record, sketch);
@@ -367,7 +360,7 @@ draw::Canvas spatial_picture(const Run& run, std::size_t level, const PlotView& 
 
 std::string plot_picture(const Run& run, std::size_t level, const std::string& path, const PlotView& view) {
   const draw::Format format = format_of(path);
-  if (is_spatial(run.result().levels.at(level).record)) return spatial_picture(run, level, view).render(format);
+  if (has_positions(run.result().levels.at(level).record)) return spatial_picture(run, level, view).render(format);
   const Sketch sketch = sketch_of(run, level, view);
   namespace page = draw::page;
   namespace palette = draw::palette;

@@ -32,6 +32,7 @@
 #include <trellis/report/report.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis::command {
 
@@ -143,7 +144,7 @@ class Examiner {
     if (!closely || end.contact) return end;
     if (scene_->planar() != nullptr) {
       end.nearest = nearest_obstacle(*scene_->planar(), q);
-    } else if (scene_->obstacle_count() <= many) {
+    } else if (scene_->spatial() != nullptr && scene_->obstacle_count() <= many) {
       end.nearest = nearest_obstacle(spatial(*scene_), q, problem.space, problem.resolution);
     }
     return end;
@@ -171,7 +172,7 @@ std::vector<std::pair<std::string, std::size_t>> obstacle_kinds(const Scene& sce
     }
     return kinds;
   }
-  for (const Obstacle3& obstacle : spatial(scene).world.obstacles()) {
+  for (const Obstacle3& obstacle : spatial_world(scene)->obstacles()) {
     constexpr std::array<const char*, 5> names = {"sphere", "box", "cylinder", "capsule", "mesh"};
     add(names.at(obstacle.solid.shape.index()));
   }
@@ -200,9 +201,9 @@ struct Meshes {
   [[nodiscard]] Json json() const { return {{"meshes", count}, {"closed", closed}, {"triangles", triangles}}; }
 };
 
-Meshes obstacle_meshes(const SpatialScene& scene) {
+Meshes obstacle_meshes(const World3& world) {
   Meshes meshes;
-  for (const Obstacle3& obstacle : scene.world.obstacles()) meshes.add(obstacle.solid);
+  for (const Obstacle3& obstacle : world.obstacles()) meshes.add(obstacle.solid);
   return meshes;
 }
 
@@ -226,7 +227,7 @@ std::vector<std::pair<double, double>> bounds_of(const Scene& scene) {
     const auto& [lo, hi] = planar->world.bounds();
     return {{lo.x, hi.x}, {lo.y, hi.y}};
   }
-  const auto& [lo, hi] = spatial(scene).world.bounds();
+  const auto& [lo, hi] = spatial_world(scene)->bounds();
   return {{lo.x, hi.x}, {lo.y, hi.y}, {lo.z, hi.z}};
 }
 
@@ -288,7 +289,7 @@ class Report {
       line("problem", fmt::format("'{}'", problem.name));
     }
     line("bounds", bounds_text(bounds_of(scene)));
-    if (scene.spatial() != nullptr) line("contain", contained(scene.spatial()->world));
+    if (const World3* world = spatial_world(scene)) line("contain", contained(*world));
     line("obstacles", obstacles_text(scene));
     line("robot", robot_text(scene, problem.space));
     if (problem.motion_model) line("motion", problem.motion_model->name());
@@ -323,12 +324,12 @@ class Report {
                      {"bounds", bounds},     {"obstacles", scene.obstacle_count()},
                      {"kinds", kinds},       {"problems", problems},
                      {"notes", file_.notes}, {"warnings", file_.warnings}};
-    if (const SpatialScene* spatial = scene.spatial()) {
-      document["contain"] = contained(spatial->world);
-      document["surface"] = spatial->world.surface();
-      document["obstacle_meshes"] = obstacle_meshes(*spatial).json();
-      document["robot_meshes"] = robot_meshes(*spatial).json();
+    if (const World3* world = spatial_world(scene)) {
+      document["contain"] = contained(*world);
+      document["surface"] = world->surface();
+      document["obstacle_meshes"] = obstacle_meshes(*world).json();
     }
+    if (const SpatialScene* spatial = scene.spatial()) document["robot_meshes"] = robot_meshes(*spatial).json();
     return document;
   }
 
@@ -348,10 +349,10 @@ class Report {
   static std::string obstacles_text(const Scene& scene) {
     if (scene.obstacle_count() == 0) return "none";
     std::string text = kinds_text(obstacle_kinds(scene));
-    const SpatialScene* spatial = scene.spatial();
-    if (spatial == nullptr) return text;
-    if (const Meshes meshes = obstacle_meshes(*spatial); meshes.count > 0) text += fmt::format(", {}", meshes.text());
-    return text + (spatial->world.surface() ? "; taken as surfaces" : "");
+    const World3* world = spatial_world(scene);
+    if (world == nullptr) return text;
+    if (const Meshes meshes = obstacle_meshes(*world); meshes.count > 0) text += fmt::format(", {}", meshes.text());
+    return text + (world->surface() ? "; taken as surfaces" : "");
   }
 
   static std::string robot_text(const Scene& scene, const Space& space) {

@@ -60,8 +60,12 @@ void read_option(const Component& component, const std::string& name, Value valu
   }
   const Option* option = component.find(name);
   const bool list = value.type() == Type::table;
-  const auto converted =
+  auto converted =
       option != nullptr && list && option->type != Option::Type::names ? std::nullopt : option_value(value);
+  if (option != nullptr && option->type == Option::Type::names) {
+    // A list of one name may be written as the name.
+    if (const auto one = value.string()) converted = std::vector<std::string>{*one};
+  }
   if (option != nullptr && !converted) {
     throw Error(
         fmt::format("{}: option '{}' must be {}, got {}", component.name, name, expectation(*option), describe(value)));

@@ -12,6 +12,7 @@
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/estimator.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/spec.hpp>
 
@@ -88,6 +89,18 @@ struct Weight<Robot3> {
   }
 };
 template <>
+struct Weight<SphereModel> {
+  static std::size_t of(const SphereModel& robot) {
+    constexpr std::size_t link = 512;
+    std::size_t sum = sizeof robot + link * robot.robot().tree().links().size();
+    for (const auto& body : robot.bodies()) sum += body.size() * sizeof(BodySphere);
+    for (const Link& one : robot.robot().tree().links()) {
+      for (const Solid& solid : one.solids) sum += Weight<dsl::NamedShape>::of(solid);
+    }
+    return sum + sizeof(std::size_t) * 2 * robot.pairs().size();
+  }
+};
+template <>
 struct Weight<Problem> {
   static std::size_t of(const Problem& problem) {
     constexpr std::size_t axis = 128;
@@ -144,6 +157,10 @@ struct TypeName<World3> {
 template <>
 struct TypeName<Robot3> {
   static constexpr const char* value = "robot of space";
+};
+template <>
+struct TypeName<SphereModel> {
+  static constexpr const char* value = "manipulator";
 };
 template <>
 struct TypeName<Problem> {

@@ -13,6 +13,7 @@
 #include <dsl/language/words/experiment.hpp>
 #include <dsl/language/words/guiding_space.hpp>
 #include <dsl/language/words/help.hpp>
+#include <dsl/language/words/manipulator.hpp>
 #include <dsl/language/words/measure.hpp>
 #include <dsl/language/words/modules.hpp>
 #include <dsl/language/words/motion.hpp>
@@ -77,6 +78,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_algebra(stack, place, book->warnings);
   open_world(stack);
   open_spatial_world(stack, place, book->warnings);
+  open_manipulator(stack, place, book->warnings);
   open_motion(stack);
   open_problem(stack);
   open_measure(stack, book->each, book->given);
@@ -95,6 +97,7 @@ std::vector<const Construct*> constructs() {
   for (const Construct* construct : guiding_space_constructs()) all.push_back(construct);
   for (const Construct* construct : world_constructs()) all.push_back(construct);
   for (const Construct* construct : spatial_world_constructs()) all.push_back(construct);
+  for (const Construct* construct : manipulator_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &robot_file_construct(), &exists_construct(),
                          &target_construct(), &experiment_construct(), &tune_construct(), &published_construct(),

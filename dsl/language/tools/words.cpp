@@ -14,6 +14,7 @@
 #include <dsl/language/tools/language.hpp>
 #include <dsl/language/words/algebra.hpp>
 #include <dsl/language/words/guiding_space.hpp>
+#include <dsl/language/words/manipulator.hpp>
 #include <dsl/language/words/measure.hpp>
 #include <dsl/language/words/modules.hpp>
 #include <dsl/language/words/problem.hpp>
@@ -132,6 +133,7 @@ std::vector<ObjectType> make_types() {
   std::vector<ObjectType> all = algebra_types();
   for (ObjectType& type : world_types()) all.push_back(std::move(type));
   for (ObjectType& type : spatial_world_types()) all.push_back(std::move(type));
+  for (ObjectType& type : manipulator_types()) all.push_back(std::move(type));
   all.push_back({"trellis.Motion", "how what moves can be driven", "", {}, {}});
   all.push_back(problem_type());
   for (ObjectType& type : measure_types()) all.push_back(std::move(type));

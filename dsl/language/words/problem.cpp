@@ -16,6 +16,7 @@
 #include <dsl/language/core/script_place.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/core/word.hpp>
+#include <dsl/language/words/manipulator.hpp>
 #include <dsl/language/words/motion.hpp>
 #include <dsl/language/words/scene_values.hpp>
 #include <trellis/base/input_file.hpp>
@@ -54,9 +55,10 @@ struct ProblemSettings {
 template <class S>
 Settings<S> with_scene_options(Settings<S> settings) {
   return settings
-      .number(
-          "weight", &S::weight, "m/rad", Range::positive(),
-          "metres of the metric per radian of turning; of a body in space its bounding radius, if this is not given")
+      .number("weight", &S::weight, "m/rad", Range::positive(),
+              "metres of the metric per radian of turning; if this is not given, of a body in space its bounding "
+              "radius, and "
+              "of a manipulator 1")
       .number("resolution", &S::resolution, "m", Range::positive(),
               "how far the robot's fastest point moves between two checked configurations")
       .number(
@@ -64,9 +66,11 @@ Settings<S> with_scene_options(Settings<S> settings) {
           "how finely the certificate of a path divides its motions: a motion that is undecided at this displacement "
           "of the robot's points counts as contact; 0: a millionth of resolution")
       .choice(
-          "collision", &S::collision, {"auto", "planar", "fcl", "fcl_plain"},
+          "collision", &S::collision, {"auto", "planar", "fcl", "fcl_plain", "spheres"},
           "the collision backend: in the plane \"planar\" or \"fcl\"; in space \"fcl\", which decides what it can by "
-          "bounds on distances, or \"fcl_plain\" without these; \"auto\" is the first that the world has");
+          "bounds on distances, or \"fcl_plain\" without these; of a manipulator \"spheres\"; \"auto\" is the first "
+          "that "
+          "the problem has");
 }
 
 const Settings<ProblemSettings>& problem_settings() {
@@ -139,8 +143,24 @@ void normalise_quaternions(MutableView q, const std::string& what, const Space& 
   space.normalise(q);
 }
 
+/// \param what  names it in messages: "field 'start'"
+Configuration state_named(const std::string& name, const std::string& what, const SphereModel& robot) {
+  std::vector<std::string> known;
+  for (const SphereModel::State& state : robot.states()) {
+    if (state.name == name) return state.q;
+    known.push_back(state.name);
+  }
+  throw Error(fmt::format("problem: {}: robot '{}' has no configuration '{}'{}; {}", what, robot.robot().tree().name(),
+                          name, did_you_mean(name, known),
+                          known.empty() ? "its SRDF file names none for the joints that move"
+                                        : fmt::format("there are: {}", fmt::join(known, ", "))));
+}
+
 Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
   const Space& space = problem.space;
+  if (const auto name = value.string(); name && problem.scene->manipulator() != nullptr) {
+    return state_named(*name, what, problem.scene->manipulator()->robot);
+  }
   if (const auto* pose = value.get<Pose3>()) {
     return configuration_of(*pose, "problem: " + what, *problem.scene, space);
   }
@@ -153,10 +173,11 @@ Configuration read_configuration(Value value, const std::string& what, const Pro
   return q;
 }
 
-/// The weight of rotations: the one given; else in space the body's bounding radius, so that the metric bounds how far
-/// its points move.
+/// The weight of rotations: the one given; else of a body in space its bounding radius, so that the metric bounds how
+/// far its points move, and of a manipulator 1.
 double weight_of(const Scene& scene, double weight, bool given) {
-  return given || scene.planar() != nullptr || scene.is_point() ? weight : scene.bounding_radius();
+  if (given || scene.planar() != nullptr || scene.is_point()) return weight;
+  return scene.manipulator() != nullptr ? 1.0 : scene.bounding_radius();
 }
 
 /// The backend's name for "auto".
@@ -164,16 +185,43 @@ std::string backend_of(const Scene& scene, const std::string& collision) {
   const auto known = collision_backends(scene);
   if (collision == "auto") return known.front();
   if (std::find(known.begin(), known.end(), collision) != known.end()) return collision;
-  throw Error(fmt::format("problem: collision = \"{}\" is not for {}; there are {}", collision,
-                          scene.planar() != nullptr ? "the plane" : "space", fmt::join(known, " and ")));
+  throw Error(fmt::format("problem: collision = \"{}\" is not for {}; there is {}", collision,
+                          scene.planar() != nullptr        ? "the plane"
+                          : scene.manipulator() != nullptr ? "a manipulator"
+                                                           : "space",
+                          fmt::join(known, " and ")));
+}
+
+/// The configurations that bring a link to its goal.
+std::vector<Configuration> reaching(const LinkGoal& goal, const Problem& problem) {
+  const ManipulatorScene* scene = problem.scene->manipulator();
+  if (scene == nullptr) {
+    throw Error(
+        fmt::format("problem: field 'goal' is reach {{ ... }}, which is for a robot of a URDF file, and this is "
+                    "'{}'",
+                    problem.scene->robot_name()));
+  }
+  const KinematicTree& tree = scene->robot.robot().tree();
+  if (const auto link = tree.find_link(goal.link)) {
+    return configurations_at(problem, *link, goal.pose, goal.near, goal.turn);
+  }
+  std::vector<std::string> known;
+  for (const Link& one : tree.links()) known.push_back(one.name);
+  throw Error(fmt::format("problem: field 'goal': robot '{}' has no link '{}'{}; there are: {}", tree.name(), goal.link,
+                          did_you_mean(goal.link, known), fmt::join(known, ", ")));
 }
 
 /// One goal, or a list of them.
 void read_goals(Value value, Problem& problem) {
+  if (const auto* goal = value.get<LinkGoal>()) {
+    problem.goals = reaching(*goal, problem);
+    return;
+  }
   bool several = false;
   if (value.type() == lua::Type::table) {
     value.each([&](std::size_t i, Value element) {
-      several = several || (i == 1 && (element.type() == lua::Type::table || element.get<Pose3>() != nullptr));
+      const bool whole = element.type() == lua::Type::table || element.get<Pose3>() != nullptr || element.string();
+      several = several || (i == 1 && whole);
     });
   }
   if (!several) {
@@ -250,6 +298,15 @@ void push_coordinates(Stack& call, View q) {
   }
 }
 
+bool ends_are_valid(const Problem& problem) {
+  try {
+    check(problem);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 /// The members of a problem that a script may read, under the names of `problem`'s fields.
 const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
   static const std::map<std::string, void (*)(Stack&, const Problem&)> fields = {
@@ -277,7 +334,8 @@ const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
       {"goal_tolerance", [](Stack& call, const Problem& p) { call.push(p.goal_tolerance); }},
       {"contact_tolerance", [](Stack& call, const Problem& p) { call.push(certificate_tolerance(p)); }},
       {"resolution", [](Stack& call, const Problem& p) { call.push(p.resolution); }},
-      {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }}};
+      {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }},
+      {"valid", [](Stack& call, const Problem& p) { call.push(ends_are_valid(p)); }}};
   return fields;
 }
 
@@ -355,13 +413,16 @@ const Construct& problem_construct() {
       .fields =
           {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
            {"world", "trellis.World", "a world", "as world { ... } makes it", true},
-           {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
-           {"start", "number[]|trellis.Pose", "a list of numbers, or a pose",
+           {"robot", "trellis.Robot|trellis.Manipulator", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
+           {"start", "number[]|trellis.Pose|string", "a list of numbers, a pose, or a name",
             "the start configuration, in metres and radians; with a motion model its velocities follow; of a body "
-            "in space its pose, or x, y, z and a quaternion x, y, z, w",
+            "in space its pose, or x, y, z and a quaternion x, y, z, w; of a manipulator also the name of a state",
             true},
-           {"goal", "number[]|number[][]|trellis.Pose|trellis.Pose[]", "a list of numbers or a pose, or a list of such",
-            "the goal configuration, in metres and radians, or several of which any will do", true},
+           {"goal", "number[]|number[][]|trellis.Pose|trellis.Pose[]|string|string[]|trellis.Reach",
+            "a list of numbers, a pose or a name, or a list of such; or reach { ... }",
+            "the goal configuration, in metres and radians, or several of which any will do; of a manipulator also the "
+            "pose of a link",
+            true},
            {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
             "how the robot is driven; without one it moves straight to any configuration"}},
       .options = problem_settings().component(),
@@ -375,6 +436,10 @@ ObjectType problem_type() {
   for (Field field : construct.fields) {
     if (readable().contains(field.name)) type.members.push_back(std::move(field));
   }
+  type.members.push_back(
+      {"valid", "boolean", "",
+       "whether start and goals are within their bounds and touch nothing, as problem { ... } demands; "
+       "those of a file need not be"});
   for (const Option& option : construct.options.options) {
     if (!readable().contains(option.name)) continue;
     type.members.push_back({option.name, option.type == Option::Type::choice ? "string" : "number", "", option.doc});
@@ -385,14 +450,16 @@ ObjectType problem_type() {
 namespace {
 
 std::vector<Field> load_fields() {
-  return {{"name", "string", "a string",
-           "how the report calls the problem, in place of the file's name for it; of n problems name/1 to name/n"},
-          {"robot", "trellis.Robot", "a robot",
-           "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m"},
-          {"start", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
-           "the start, in place of the file's or where it has none"},
-          {"goal", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
-           "the goal, in place of the file's or where it has none"}};
+  return {
+      {"name", "string", "a string",
+       "how the report calls the problem, in place of the file's name for it; of n problems name/1 to name/n"},
+      {"robot", "trellis.Robot|trellis.Manipulator", "a robot",
+       "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m; a scene of "
+       "MoveIt needs a robot of a URDF file"},
+      {"start", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+       "the start, in place of the file's or where it has none"},
+      {"goal", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+       "the goal, in place of the file's or where it has none"}};
 }
 
 }  // namespace
@@ -513,7 +580,10 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
                                 describe(value)));
       }
       if (const auto* planar = std::get_if<Robot>(&*robot)) options.robot = *planar;
-      if (!options.robot) throw Error("scenes.load: option 'robot' must be a robot of the plane");
+      if (const auto* manipulator = std::get_if<SphereModel>(&*robot)) options.manipulator = *manipulator;
+      if (!options.robot && !options.manipulator) {
+        throw Error("scenes.load: option 'robot' must be a robot of the plane, or one of a URDF file");
+      }
     });
   }
   const auto read_end = [&](const char* name, Configuration& end, std::optional<Pose3>& as_pose) {

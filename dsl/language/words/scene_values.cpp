@@ -20,6 +20,7 @@ std::optional<AnyWorld> world_in(lua::Value value) {
 std::optional<AnyRobot> robot_in(lua::Value value) {
   if (const auto* robot = value.get<Robot>()) return *robot;
   if (const auto* robot = value.get<Robot3>()) return *robot;
+  if (const auto* robot = value.get<SphereModel>()) return *robot;
   return std::nullopt;
 }
 
@@ -41,12 +42,15 @@ void push_robot(lua::Stack& stack, const Scene& scene) {
 
 std::shared_ptr<const Scene> make_scene(AnyWorld world, AnyRobot robot) {
   const bool spatial_world = std::holds_alternative<World3>(world);
-  if (spatial_world != std::holds_alternative<Robot3>(robot)) {
+  if (spatial_world == std::holds_alternative<Robot>(robot)) {
     throw Error(fmt::format(
         "the world is {} and the robot is {}; a robot of {}, as {}, fits this world",
         spatial_world ? "of space" : "planar", spatial_world ? "planar" : "of space",
         spatial_world ? "space" : "the plane",
         spatial_world ? "robot.rigid { box {-0.3, -0.1, -0.1, 0.3, 0.1, 0.1} }" : "robot.rectangle(0.6, 0.2)"));
+  }
+  if (auto* manipulator = std::get_if<SphereModel>(&robot)) {
+    return std::make_shared<const ManipulatorScene>(std::get<World3>(std::move(world)), std::move(*manipulator));
   }
   if (spatial_world) {
     return std::make_shared<const SpatialScene>(std::get<World3>(std::move(world)), std::get<Robot3>(std::move(robot)));

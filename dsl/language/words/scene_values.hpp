@@ -10,6 +10,7 @@
 #include <trellis/scene/planar/robot.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/world.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/robot.hpp>
 #include <trellis/scene/spatial/world.hpp>
 
@@ -18,7 +19,7 @@
 namespace trellis::dsl {
 
 using AnyWorld = std::variant<World, World3>;
-using AnyRobot = std::variant<Robot, Robot3>;
+using AnyRobot = std::variant<Robot, Robot3, SphereModel>;
 
 /// Returns the world, or the robot, that the value is; none for another value.
 std::optional<AnyWorld> world_in(lua::Value value);

@@ -25,6 +25,7 @@
 #include <trellis/scene/planar/skeleton.hpp>
 #include <trellis/scene/planar/triangulation.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -429,8 +430,8 @@ void find_unmeasurable(const Measure& measure, const Problem& problem, std::vect
 }  // namespace
 
 std::string unit_warning(const Problem& problem) {
-  const SpatialScene* scene = problem.scene->spatial();
-  if (scene == nullptr) return "";
+  const World3* space = spatial_world(*problem.scene);
+  if (space == nullptr) return "";
   double size = 0.0;
   std::string what;
   const auto examine = [&](const std::string& name, const Solid& solid) {
@@ -440,10 +441,12 @@ std::string unit_warning(const Problem& problem) {
     size = extent;
     what = name;
   };
-  for (const Obstacle3& obstacle : scene->world.obstacles()) examine(obstacle.name, obstacle.solid);
-  for (const Solid& solid : scene->robot.solids()) examine("the robot", solid);
+  for (const Obstacle3& obstacle : space->obstacles()) examine(obstacle.name, obstacle.solid);
+  if (const SpatialScene* scene = problem.scene->spatial()) {
+    for (const Solid& solid : scene->robot.solids()) examine("the robot", solid);
+  }
   constexpr double much = 30.0;  // inches are 39 times metres, centimetres 100, millimetres 1000
-  const double world = longest(scene->world.bounds());
+  const double world = longest(space->bounds());
   if (size < much * world) return "";
   return fmt::format(
       "{} extends {:.4g} m in a world of {:.4g} m; if the numbers of its mesh are millimetres, give mesh unit = \"mm\" "

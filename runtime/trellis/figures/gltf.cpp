@@ -25,6 +25,7 @@
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -187,7 +188,7 @@ class Document {
 /// A problem's scene in a document.
 class SceneDocument {
  public:
-  explicit SceneDocument(const Problem& problem) : problem_(problem), scene_(spatial(*problem.scene)) {
+  explicit SceneDocument(const Problem& problem) : problem_(problem), world_(*spatial_world(*problem.scene)) {
     add_world();
     add_end("start", problem.start, draw::rgb(0x555555));
     for (std::size_t i = 0; i < problem.goals.size(); ++i) {
@@ -198,29 +199,37 @@ class SceneDocument {
 
   void add_level(const LevelRecord& record) {
     const Configurations& path = record.solution.path;
-    if (record.position_axes.size() != 3 || record.scene == nullptr || record.scene->spatial() == nullptr) return;
-    const Robot3& robot = record.scene->spatial()->robot;
+    if (!has_positions(record)) return;
     const std::string name = fmt::format("level {}: {}", record.level, draw::clean_text(record.name));
     const std::size_t node = document_.add_child(document_.root(), {{"name", name}});
     if (path.size() == 0) return;
     const draw::Colour colour = draw::palette::level(static_cast<std::size_t>(std::max(0, record.level)));
     const std::size_t material = document_.add_material(name, colour, false);
     std::vector<draw::Point3> curve;
-    for (std::size_t i = 0; i < path.size(); ++i) {
-      const View q = path[i];
-      curve.push_back({q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]});
-    }
+    const ManipulatorScene* manipulator = record.scene->manipulator();
+    const Configurations shown = manipulator != nullptr ? dense(record.space, path) : path;
+    for (std::size_t i = 0; i < shown.size(); ++i) curve.push_back(position_in(record, shown[i]));
     if (curve.size() > 1) {
       document_.add_child(node, {{"name", name + ", path"},
                                  {"mesh", document_.add_mesh(name + ", path", curve, {}, mode_line_strip, material)}});
     }
+    if (manipulator != nullptr) {
+      add_bodies(node, name, colour, manipulator->robot, shown, lengths(record.space, shown));
+      return;
+    }
+    const Robot3& robot = spatial(*record.scene).robot;
     const bool moves = !robot.is_point() && record.space.dimension() >= robot.dimension();
     Json first = {{"name", name + ", robot"},
                   {"mesh", moves ? robot_mesh(robot, name, colour) : mark_mesh(name, material)},
                   {"translation", vector_json(Vec3{curve[0].x, curve[0].y, curve[0].z})}};
     if (moves && robot.rotates()) first["rotation"] = vector_json(normalised(robot.pose(path[0]).orientation));
     const std::size_t body = document_.add_child(node, std::move(first));
-    animate(name, body, record, curve, moves && robot.rotates());
+    std::vector<Pose3> places;
+    places.reserve(path.size());
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      places.push_back({{curve[i].x, curve[i].y, curve[i].z}, moves ? robot.pose(path[i]).orientation : Quaternion{}});
+    }
+    animate(name, body, places, lengths(record.space, path), moves && robot.rotates());
   }
 
   [[nodiscard]] std::string text(GltfForm form) const { return document_.text(form); }
@@ -233,7 +242,7 @@ class SceneDocument {
     const std::size_t material = document_.add_material("obstacle", draw::rgb(0xC9C9C9), false);
     const std::size_t open = document_.add_material("obstacle without an inside", draw::rgb(0xC9C9C9), true);
     std::map<const Mesh*, std::size_t> known;  // only looked up, so its order does not matter
-    for (const Obstacle3& obstacle : scene_.world.obstacles()) {
+    for (const Obstacle3& obstacle : world_.obstacles()) {
       const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&obstacle.solid.shape);
       const auto place = mesh != nullptr ? known.find(mesh->get()) : known.end();
       std::size_t index = 0;
@@ -253,7 +262,7 @@ class SceneDocument {
   }
 
   void add_bounds(std::size_t world) {
-    const auto& [lo, hi] = scene_.world.bounds();
+    const auto& [lo, hi] = world_.bounds();
     std::vector<draw::Point3> corners;
     std::vector<std::uint32_t> edges;
     for (std::uint32_t i = 0; i < 8; ++i) {
@@ -276,42 +285,91 @@ class SceneDocument {
   std::size_t mark_mesh(const std::string& name, std::size_t material) {
     constexpr double share = 0.004;  // of the world's diagonal
     constexpr unsigned sides = 12;
-    return document_.add_mesh(name, surface_of(Solid{Sphere{share * scene_.diagonal()}, {}}, sides), material);
+    return document_.add_mesh(name, surface_of(Solid{Sphere{share * problem_.scene->diagonal()}, {}}, sides), material);
   }
 
   void add_end(const std::string& name, const Configuration& q, const draw::Colour& colour) {
     if (q.empty()) return;
-    const Pose3 pose = scene_.robot.pose(q);
-    const std::size_t mesh = scene_.robot.is_point() ? mark_mesh(name, document_.add_material(name, colour, false))
-                                                     : robot_mesh(scene_.robot, name, colour);
+    if (const ManipulatorScene* manipulator = problem_.scene->manipulator()) {
+      const std::size_t node = document_.add_child(document_.root(), {{"name", name}});
+      Configurations one(q.size());
+      one.push(q);
+      add_bodies(node, name, colour, manipulator->robot, one, {0.0});
+      return;
+    }
+    const Robot3& robot = spatial(*problem_.scene).robot;
+    const Pose3 pose = robot.pose(q);
+    const std::size_t mesh = robot.is_point() ? mark_mesh(name, document_.add_material(name, colour, false))
+                                              : robot_mesh(robot, name, colour);
     document_.add_child(document_.root(), {{"name", name},
                                            {"mesh", mesh},
                                            {"translation", vector_json(pose.position)},
                                            {"rotation", vector_json(normalised(pose.orientation))}});
   }
 
+  /// A path with so many more points that straight motions of the bodies between them deviate little.
+  static Configurations dense(const Space& space, const Configurations& path) {
+    constexpr int points_of_leg = 12;
+    Configurations out(space.dimension());
+    Configuration q(space.dimension());
+    out.push(path[0]);
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      for (int k = 1; k <= points_of_leg; ++k) {
+        space.interpolate(path[i - 1], path[i], static_cast<double>(k) / points_of_leg, q);
+        out.push(q);
+      }
+    }
+    return out;
+  }
+
+  /// The length of a path up to each of its points.
+  static std::vector<double> lengths(const Space& space, const Configurations& path) {
+    std::vector<double> out = {0.0};
+    for (std::size_t i = 1; i < path.size(); ++i) out.push_back(out.back() + space.distance(path[i - 1], path[i]));
+    return out;
+  }
+
+  /// Adds the bodies of a robot of links and joints, which move along a path.
+  void add_bodies(std::size_t node, const std::string& name, const draw::Colour& colour, const SphereModel& model,
+                  const Configurations& path, const std::vector<double>& at) {
+    const std::size_t material = document_.add_material(name + ", robot", colour, false);
+    std::vector<std::vector<Pose3>> poses(path.size());
+    for (std::size_t i = 0; i < path.size(); ++i) model.robot().poses(path[i], poses[i]);
+    for (std::size_t b = 0; b < model.bodies().size(); ++b) {
+      if (model.bodies()[b].empty()) continue;
+      std::vector<Pose3> places;
+      places.reserve(path.size());
+      for (const auto& all : poses) places.push_back(model.base() * all[b]);
+      const std::string body = fmt::format("{}, {}", name, draw::clean_text(model.robot().bodies()[b].name));
+      const std::size_t child =
+          document_.add_child(node, {{"name", body},
+                                     {"mesh", document_.add_mesh(body, surface_of(model, b), material)},
+                                     {"translation", vector_json(places.front().position)},
+                                     {"rotation", vector_json(normalised(places.front().orientation))}});
+      animate(body, child, places, at, true);
+    }
+  }
+
   /// Animates a node along a path: positions and rotations between keys are those of the space, which the format
   /// interpolates alike.
-  void animate(const std::string& name, std::size_t node, const LevelRecord& record,
-               const std::vector<draw::Point3>& curve, bool rotates) {
-    const Configurations& path = record.solution.path;
-    const double length = path_length(record.space, path);
+  /// \param at  the length of the path up to each place
+  void animate(const std::string& name, std::size_t node, const std::vector<Pose3>& path, const std::vector<double>& at,
+               bool rotates) {
+    const double length = at.back();
     if (!(length > 0.0)) return;
     std::vector<double> times;
     std::vector<double> places;
     std::vector<double> turns;
     Quaternion last;
-    double at = 0.0;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      if (i > 0) at += record.space.distance(path[i - 1], path[i]);
-      const auto time = static_cast<double>(static_cast<float>(seconds * at / length));
+      const auto time = static_cast<double>(static_cast<float>(seconds * at[i] / length));
       // Keys are later than the ones before, also in 32 bits.
       if (!times.empty() && !(time > times.back())) continue;
       times.push_back(time);
-      places.insert(places.end(), {curve[i].x, curve[i].y, curve[i].z});
+      const Vec3& place = path[i].position;
+      places.insert(places.end(), {place.x, place.y, place.z});
       if (!rotates) continue;
-      const View q = path[i];
-      Quaternion turn = normalised({q[3], q[4], q[5], q[6]});
+      Quaternion turn = normalised(path[i].orientation);
       // Of q and -q the one nearer to the key before, so that the turn between them is the shorter one.
       if (i > 0 && turn.x * last.x + turn.y * last.y + turn.z * last.z + turn.w * last.w < 0.0) {
         turn = {-turn.x, -turn.y, -turn.z, -turn.w};
@@ -332,7 +390,7 @@ class SceneDocument {
   }
 
   const Problem& problem_;
-  const SpatialScene& scene_;
+  const World3& world_;
   Document document_;
 };
 
@@ -359,7 +417,7 @@ std::vector<std::string> write_gltf(const Experiment& experiment, const Experime
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
-    if (problem.scene == nullptr || problem.scene->spatial() == nullptr) {
+    if (problem.scene == nullptr || spatial_world(*problem.scene) == nullptr) {
       left_out.push_back(fmt::format("{}: no glTF, its world is planar", problem.name));
       continue;
     }

@@ -32,6 +32,7 @@
 #include <trellis/report/words.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -501,7 +502,7 @@ std::string held_text(const Experiment& experiment, const ExperimentResult& resu
   return R"(<p class="note">)" + escaped(text) + "The tables are of all runs.</p>";
 }
 
-bool is_spatial(const Problem& problem) { return problem.scene && problem.scene->spatial() != nullptr; }
+bool is_spatial(const Problem& problem) { return problem.scene && spatial_world(*problem.scene) != nullptr; }
 
 Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds) {
   Json bounds = nullptr;
@@ -510,8 +511,8 @@ Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds
     const Box2& box = scene->world.bounds();
     bounds = {box.lo.x, box.lo.y, box.hi.x, box.hi.y};
     for (const auto& obstacle : scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
-  } else if (const SpatialScene* in_space = problem.scene ? problem.scene->spatial() : nullptr) {
-    const auto& [lo, hi] = in_space->world.bounds();
+  } else if (is_spatial(problem)) {
+    const auto& [lo, hi] = spatial_world(*problem.scene)->bounds();
     bounds = {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z};
   }
   const bool moves = problem.scene && problem.scene->translates();
@@ -523,10 +524,10 @@ Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds
                {"position", moves ? Json{0, 1} : Json::array()},
                {"robot", robots.add(problem.scene.get())}};
   if (is_spatial(problem)) {
-    const SpatialScene& scene = *problem.scene->spatial();
-    const draw::Camera camera = draw::camera_for(drawn(scene.world.bounds().lo), drawn(scene.world.bounds().hi));
-    json["position"] = {0, 1, 2};
-    json["world"] = worlds.add(scene.world);
+    const World3& world = *spatial_world(*problem.scene);
+    const draw::Camera camera = draw::camera_for(drawn(world.bounds().lo), drawn(world.bounds().hi));
+    if (moves) json["position"] = {0, 1, 2};
+    json["world"] = worlds.add(world);
     json["view"] = {camera.azimuth, camera.elevation};
   }
   return json;
@@ -740,7 +741,7 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
   WorldTable worlds;
   const bool in_space = std::any_of(experiment.problems.begin(), experiment.problems.end(), is_spatial);
   for (const Problem& problem : experiment.problems) {
-    if (is_spatial(problem)) worlds.add(problem.scene->spatial()->world);
+    if (is_spatial(problem)) worlds.add(*spatial_world(*problem.scene));
   }
   const std::size_t viewer = in_space ? parts.space.size() + worlds.list().dump().size() : 0;
   const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + tables.summary.size() +

@@ -151,6 +151,35 @@ Json robot_json(const Robot3& robot) {
           {"surfaces", surfaces_json(surfaces)}};
 }
 
+/// A robot of links and joints: the page computes the poses of its bodies.
+Json robot_json(const SphereModel& model) {
+  const auto pose = [](const Pose3& p) {
+    const Quaternion& q = p.orientation;
+    return Json{p.position.x, p.position.y, p.position.z, q.x, q.y, q.z, q.w};
+  };
+  std::vector<draw::Surface> surfaces;
+  Json bodies = Json::array();
+  for (std::size_t b = 0; b < model.bodies().size(); ++b) {
+    const Manipulator::Body& body = model.robot().bodies()[b];
+    surfaces.push_back(surface_of(model, b));
+    bodies.push_back({{"parent", body.parent},
+                      {"origin", pose(body.origin)},
+                      {"kind", to_string(body.kind)},
+                      {"axis", {body.axis.x, body.axis.y, body.axis.z}},
+                      {"column", body.column},
+                      {"multiplier", body.multiplier},
+                      {"offset", body.offset}});
+  }
+  const PointOnBody tip = model.tip();
+  return {{"dimension", model.robot().dimension()},
+          {"rotates", false},
+          {"radius", rounded(model.bounding_radius())},
+          {"base", pose(model.base())},
+          {"bodies", std::move(bodies)},
+          {"tip", {tip.body, tip.point.x, tip.point.y, tip.point.z}},
+          {"surfaces", surfaces_json(surfaces)}};
+}
+
 /// Returns of each proposal its outcome and, from bit 2, its own validity: 0 unknown, 1 valid, 2 invalid.
 std::string packed_fates(const LevelRecord& record, const Search& search, const Problem& problem) {
   std::unique_ptr<Checker> checker;

@@ -21,6 +21,7 @@
 #include <trellis/report/summary.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -236,7 +237,7 @@ class SpatialMotions {
   }
 
   [[nodiscard]] static bool possible(const Problem& problem) {
-    return problem.scene != nullptr && problem.scene->spatial() != nullptr;
+    return problem.scene != nullptr && spatial_world(*problem.scene) != nullptr;
   }
 
   [[nodiscard]] std::optional<draw::SpatialFigure> motion(const ExperimentResult& result,
@@ -249,14 +250,15 @@ class SpatialMotions {
     figure.title = fmt::format("{} on {}: the paths found", strategy, problem_.name);
     for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) {
       const LevelRecord& record = level->record;
-      if (record.position_axes.size() != 3 || record.solution.path.size() == 0 || record.scene == nullptr) continue;
+      if (record.solution.path.size() == 0 || !has_positions(record)) continue;
       figure.panels.push_back(panel_of(record));
     }
     if (figure.panels.empty()) return std::nullopt;
     figure.columns = std::min<std::size_t>(2, figure.panels.size());
     if (figure.panels.size() == 1) figure.width = single_width;
-    const std::string text = fmt::format(
-        "Seed {}. The robot at even distances along the path, and the curve of its reference point.", run.seed);
+    const std::string text =
+        fmt::format("Seed {}. The robot at even distances along the path, and the curve of its {}.", run.seed,
+                    problem_.scene->manipulator() != nullptr ? "tip" : "reference point");
     figure.caption = figure.caption.empty() ? text : text + ' ' + figure.caption;
     return figure;
   }
@@ -268,14 +270,11 @@ class SpatialMotions {
     constexpr std::size_t triangles_of_pose = 150;
     constexpr std::size_t points_of_leg =
         8;  // rotations bend no curve, but the reference point may leave straight legs
-    const Robot3& robot = spatial(*record.scene).robot;
     const Configurations& path = record.solution.path;
     draw::SpatialPanel panel;
     panel.title = fmt::format("{}: {}", record.parent < 0 ? record.planner : record.name,
                               record.solution.solved() ? "the path found" : "the path to the node nearest to the goal");
-    const auto at = [&](View q) {
-      return draw::Point3{q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
-    };
+    const auto at = [&](View q) { return position_in(record, q); };
     std::vector<draw::Point3> curve;
     Configuration q(record.space.dimension());
     curve.push_back(at(path[0]));
@@ -288,13 +287,13 @@ class SpatialMotions {
       }
     }
     panel.paths.push_back(std::move(curve));
-    if (robot.is_point() || record.space.dimension() < robot.dimension()) return panel;
+    if (record.scene->is_point() || record.space.dimension() < record.scene->robot_dimension()) return panel;
     const Configurations poses = poses_along(record.space, path);
     const auto checker = make_checker(problem_.collision, problem_.scene, problem_.space, problem_.resolution);
     const bool same_space = record.space == problem_.space;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       draw::Surface pose;
-      for (const draw::Surface& part : placed(robot, poses[i], triangles_of_pose)) append(pose, part);
+      for (const draw::Surface& part : placed(*record.scene, poses[i], triangles_of_pose)) append(pose, part);
       if (i == 0) {
         panel.start = {pose};
       } else if (i + 1 == poses.size() && record.solution.solved()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/scene/visit.hpp>
 
 #include <fmt/format.h>
 
@@ -181,26 +182,68 @@ std::vector<Surface> placed(const Robot3& robot, View q, std::size_t most) {
   return out;
 }
 
+Surface surface_of(const SphereModel& model, std::size_t body) {
+  constexpr unsigned sides = 8;
+  Surface out;
+  const auto& balls = model.bodies()[body];
+  for (std::size_t i = 1; i < balls.size(); ++i) {
+    append(out, surface_of(Solid{Sphere{balls[i].radius}, {balls[i].centre, {}}}, sides));
+  }
+  return out;
+}
+
+std::vector<Surface> placed(const SphereModel& model, View q) {
+  std::vector<Pose3> poses;
+  model.robot().poses(q, poses);
+  std::vector<Surface> out;
+  for (std::size_t b = 0; b < poses.size(); ++b) {
+    if (!model.bodies()[b].empty()) out.push_back(moved(surface_of(model, b), model.base() * poses[b]));
+  }
+  return out;
+}
+
+std::vector<Surface> placed(const Scene& scene, View q, std::size_t most) {
+  if (const ManipulatorScene* manipulator = scene.manipulator()) return placed(manipulator->robot, q);
+  return placed(spatial(scene).robot, q, most);
+}
+
+/// The position of the reference point, or of the tip.
+Point3 position_of(const Scene& scene, View q) {
+  if (const ManipulatorScene* manipulator = scene.manipulator()) return drawn(manipulator->robot.tip_at(q));
+  return drawn(spatial(scene).robot.pose(q).position);
+}
+
+bool has_positions(const LevelRecord& record) {
+  if (record.scene == nullptr || spatial_world(*record.scene) == nullptr) return false;
+  if (record.position_axes.size() == 3) return true;
+  return record.scene->manipulator() != nullptr && record.space.dimension() >= record.scene->robot_dimension();
+}
+
+Point3 position_in(const LevelRecord& record, View q) {
+  if (record.position_axes.size() != 3) return position_of(*record.scene, q);
+  return {q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
+}
+
 draw::SpatialFigure spatial_frame(const Problem& problem) {
   constexpr std::size_t most_triangles = 5000;
-  const SpatialScene& scene = spatial(*problem.scene);
+  const World3& world = *spatial_world(*problem.scene);
   draw::SpatialFigure figure;
-  figure.lo = drawn(scene.world.bounds().lo);
-  figure.hi = drawn(scene.world.bounds().hi);
+  figure.lo = drawn(world.bounds().lo);
+  figure.hi = drawn(world.bounds().hi);
   figure.camera = draw::camera_for(figure.lo, figure.hi);
-  WorldSurfaces surfaces = surfaces_of(scene.world, most_triangles);
+  WorldSurfaces surfaces = surfaces_of(world, most_triangles);
   figure.caption = surfaces.note();
   figure.obstacles = std::move(surfaces.obstacles);
   const auto add = [&](View q, std::vector<Surface>& to) {
-    const std::vector<Surface> robot = placed(scene.robot, q);
+    const std::vector<Surface> robot = placed(*problem.scene, q);
     to.insert(to.end(), robot.begin(), robot.end());
   };
   if (!problem.start.empty()) {
     add(problem.start, figure.start);
-    figure.start_at = drawn(scene.robot.pose(problem.start).position);
+    figure.start_at = position_of(*problem.scene, problem.start);
   }
   for (const Configuration& goal : problem.goals) add(goal, figure.goal);
-  if (!problem.goals.empty()) figure.goal_at = drawn(scene.robot.pose(problem.goal()).position);
+  if (!problem.goals.empty()) figure.goal_at = position_of(*problem.scene, problem.goal());
   return figure;
 }
 

@@ -7,7 +7,9 @@
 
 #include <trellis/draw/spatial.hpp>
 #include <trellis/draw/surface.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/strategy/executor.hpp>
 
 namespace trellis {
 
@@ -39,6 +41,19 @@ WorldSurfaces surfaces_of(const World3& world, std::size_t most);
 
 /// Returns the robot's solids at a configuration, each with at most about `most` triangles.
 std::vector<draw::Surface> placed(const Robot3& robot, View q, std::size_t most = 600);
+
+/// Returns a body's balls, in its frame.
+draw::Surface surface_of(const SphereModel& model, std::size_t body);
+/// Returns the bodies of a robot of links and joints at a configuration.
+std::vector<draw::Surface> placed(const SphereModel& model, View q);
+/// The same for the robot of any scene in space.
+std::vector<draw::Surface> placed(const Scene& scene, View q, std::size_t most = 600);
+
+/// Whether the configurations of a level have positions in space: of the reference point, or of the tip of a robot of
+/// links and joints.
+bool has_positions(const LevelRecord& record);
+/// Returns the position of a configuration of such a level.
+draw::Point3 position_in(const LevelRecord& record, View q);
 
 /// Returns what all pictures of a problem in space share: the world, and the robot at start and goals where it has
 /// them. Its caption says what was simplified.

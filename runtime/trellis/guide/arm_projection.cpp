@@ -179,7 +179,7 @@ std::variant<ArmChain, std::string> arm_chain(const Instance& instance) {
 }
 
 ArmProjection::ArmProjection(const Instance& parent, ArmChain chain)
-    : parent_(parent.space), scene_(parent.scene), chain_(std::move(chain)) {
+    : TipProjection(parent.space), scene_(parent.scene), chain_(std::move(chain)) {
   const auto& links = chain_.links;
   rest_.resize(links.size());
   double longest = 0.0;
@@ -197,10 +197,10 @@ ArmProjection::ArmProjection(const Instance& parent, ArmChain chain)
   for (const double x : {lo.x, hi.x}) {
     for (const double y : {lo.y, hi.y}) farthest_ = std::max(farthest_, norm(Vec2{x, y} - chain_.base));
   }
-  std::vector<char> joint(parent_.dimension(), 0);
+  std::vector<char> joint(this->parent().dimension(), 0);
   for (const auto& link : links) joint[link.axis] = 1;
   for (std::size_t j = 0; j < joint.size(); ++j) {
-    const Axis& axis = parent_.axes()[j];
+    const Axis& axis = this->parent().axes()[j];
     log_others_ -= std::log(axis.weight);
     if (joint[j] == 0) {
       others_ = true;
@@ -284,7 +284,7 @@ double ArmProjection::angle(std::size_t link, double direction, double before) c
 
 bool ArmProjection::turn(std::size_t link, double direction, double before, Stream& stream, MutableView q) const {
   const std::size_t j = chain_.links[link].axis;
-  const Axis& axis = parent_.axes()[j];
+  const Axis& axis = parent().axes()[j];
   double angle = this->angle(link, direction, before);
   const double turns = std::floor((angle - axis.lo) / (2.0 * pi));
   angle -= 2.0 * pi * turns;
@@ -308,7 +308,7 @@ bool ArmProjection::turn(std::size_t link, double direction, double before, Stre
 
 bool ArmProjection::draw_direction(std::size_t link, const Arc& arc, double towards, double before, Stream& stream,
                                    double& direction) const {
-  const Axis& axis = parent_.axes()[chain_.links[link].axis];
+  const Axis& axis = parent().axes()[chain_.links[link].axis];
   const std::array<std::pair<double, double>, 2> sides = {std::pair(towards - arc.most, towards - arc.least),
                                                           std::pair(towards + arc.least, towards + arc.most)};
   if (axis.periodic) {
@@ -372,21 +372,21 @@ bool ArmProjection::draw(Vec2 s, Stream& stream, MutableView q) const {
 
 void ArmProjection::lift(View s, Stream& stream, MutableView q) const {
   const Vec2 target = reflected({s[0], s[1]});
-  if (others_) parent_.sample_uniform(stream, q);
+  if (others_) parent().sample_uniform(stream, q);
   constexpr int draws = 64;
   constexpr int searches = 8;
   for (int i = 0; i < (limited_ ? draws : 1); ++i) {
     if (draw(target, stream, q)) return;
   }
   for (int i = 0; i < searches; ++i) {
-    parent_.sample_uniform(stream, q);
+    parent().sample_uniform(stream, q);
     if (bring(std::array{target.x, target.y}, q, tolerance_)) return;
   }
-  parent_.sample_uniform(stream, q);
+  parent().sample_uniform(stream, q);
 }
 
 double ArmProjection::log_fibre_density(View q) const {
-  if (!parent_.contains(q)) return -std::numeric_limits<double>::infinity();
+  if (!parent().contains(q)) return -std::numeric_limits<double>::infinity();
   if (limited_) return std::numeric_limits<double>::quiet_NaN();
   std::array<double, 2> at{};
   project(q, at);
@@ -414,22 +414,12 @@ double ArmProjection::log_fibre_density(View q) const {
 }
 
 bool ArmProjection::bring(View s, MutableView q, double near) const {
-  InverseKinematics kinematics(planar(*scene_).robot, parent_, chain_.body, chain_.tip);
+  InverseKinematics kinematics(planar(*scene_).robot, parent(), chain_.body, chain_.tip);
   return kinematics.bring(q, {s[0], s[1]}, near);
 }
 
-Configurations ArmProjection::lifted(const Configurations& path, View start, View goal) const {
-  Configurations result(parent_.dimension());
-  Configuration q(parent_.dimension());
-  const double length = path_length(space_, path);
-  double at = 0.0;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    if (i > 0) at += space_.distance(path[i - 1], path[i]);
-    parent_.interpolate(start, goal, length > 0.0 ? at / length : 0.0, q);
-    // Omits a position that the arm cannot follow to.
-    if (follow(path[i], q)) result.push(q);
-  }
-  return result;
+std::shared_ptr<const Scene> ArmProjection::point_scene() const {
+  return std::make_shared<PlanarScene>(world_, Robot::point());
 }
 
 }  // namespace trellis

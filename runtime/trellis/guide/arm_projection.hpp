@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include <trellis/guide/lifted.hpp>
+#include <trellis/guide/tip_projection.hpp>
 #include <trellis/instance/instance.hpp>
 
 namespace trellis {
@@ -37,7 +37,7 @@ std::variant<ArmChain, std::string> arm_chain(const Instance& instance);
 /// S is a box and also contains positions that the arm cannot reach. `lift` reflects them, along the line through the
 /// base, at the boundary of the reachable set. Joint limits may leave a position without a configuration; `lift`
 /// detects this only by sampling, and then draws a uniform configuration.
-class ArmProjection final : public Projection {
+class ArmProjection final : public TipProjection {
  public:
   ArmProjection(const Instance& parent, ArmChain chain);
 
@@ -48,17 +48,13 @@ class ArmProjection final : public Projection {
   [[nodiscard]] double log_fibre_density(View q) const override;
   [[nodiscard]] double folded(View s, const std::function<double(View)>& density) const override;
 
-  /// Moves q by the shortest motion in the metric, within the joint limits, until f(q) is within a millionth of the
-  /// arm's length from s.
-  /// \return whether it succeeds
-  [[nodiscard]] bool follow(View s, MutableView q) const { return bring(s, q, 1e-6 * rest_[0].most); }
-  [[nodiscard]] const Space& space() const { return space_; }
-  /// The reachable part of the world: the rest is an obstacle. Copies of a world share it.
-  [[nodiscard]] const World& world() const { return world_; }
+  /// By the shortest motion, to a millionth of the arm's length.
+  [[nodiscard]] bool follow(View s, MutableView q) const override { return bring(s, q, 1e-6 * rest_[0].most); }
+  [[nodiscard]] const Space& space() const override { return space_; }
+  /// A point in the reachable part of the world: the rest is an obstacle. Copies of a world share it.
+  [[nodiscard]] std::shared_ptr<const Scene> point_scene() const override;
   /// Whether the arm could reach a position without joint limits.
-  [[nodiscard]] bool reaches(View s) const;
-  /// A path in S, lifted to configurations near the straight motion from `start` to `goal`.
-  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
+  [[nodiscard]] bool reaches(View s) const override;
 
  private:
   /// Distances from a link's joint at which that link and the later ones can place the tip.
@@ -89,7 +85,6 @@ class ArmProjection final : public Projection {
   bool draw_direction(std::size_t link, const Arc& arc, double towards, double before, Stream& stream,
                       double& direction) const;
 
-  Space parent_;
   std::shared_ptr<const Scene> scene_;
   ArmChain chain_;
   std::vector<Reach> rest_;  ///< for each link

@@ -28,6 +28,7 @@ namespace {
 
 struct DecompositionSettings {
   double size = 0.0;
+  std::vector<std::string> point;
   double explore = 0.2;
   std::int64_t ahead = 2;
   double random_leads = 0.05;
@@ -37,7 +38,7 @@ struct DecompositionSettings {
 };
 
 const Settings<DecompositionSettings>& decomposition_settings() {
-  static const Settings<DecompositionSettings> settings =
+  static const Settings<DecompositionSettings> settings = with_point(
       Settings<DecompositionSettings>(
           Component::Kind::guide, "decomposition",
           "a decomposition of the free workspace into cells, triangles of the plane and boxes of space; leads, "
@@ -64,7 +65,7 @@ const Settings<DecompositionSettings>& decomposition_settings() {
                   "with which a lead is abandoned after a proposal on it that improved neither the coverage of a "
                   "cell nor that of a connection between two")
           .integer("resolves", &DecompositionSettings::resolves, "re-solves", Range::non_negative(),
-                   "how often another lead may be searched");
+                   "how often another lead may be searched"));
   return settings;
 }
 
@@ -510,7 +511,7 @@ class DecompositionGuide final : public Guide, public Repairs {
   explicit DecompositionGuide(const DecompositionSettings& settings) : settings_(settings) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    PositionProjection projection("decomposition", parent);
+    PositionProjection projection("decomposition", parent, settings_.point);
     auto instance = projection.point_instance(parent);
     double scale = 1.0;
     for (const Axis& axis : instance->space.axes()) scale *= axis.weight;

@@ -4,20 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/claims.hpp>
+#include <trellis/collision/checker.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -27,7 +24,7 @@ namespace {
 /// sides; this class excludes the gap between these and the circle.
 class ReachableValidity final : public Validity {
  public:
-  ReachableValidity(std::shared_ptr<Validity> positions, std::shared_ptr<const ArmProjection> arm)
+  ReachableValidity(std::shared_ptr<Validity> positions, std::shared_ptr<const TipProjection> arm)
       : positions_(std::move(positions)), arm_(std::move(arm)) {}
   [[nodiscard]] bool state(View s) override { return arm_->reaches(s) && positions_->state(s); }
   [[nodiscard]] MotionReport motion(View a, View b) override {
@@ -41,7 +38,7 @@ class ReachableValidity final : public Validity {
 
  private:
   std::shared_ptr<Validity> positions_;
-  std::shared_ptr<const ArmProjection> arm_;
+  std::shared_ptr<const TipProjection> arm_;
 };
 
 /// Lifts the position of a reference point. The attempts take the previous angles, then those along the path, in either
@@ -83,7 +80,7 @@ PointLift lift_of_reference_point(const PositionProjection& projection, const In
 
 /// Lifts the position of a tip. The attempts take the configuration of the fibre nearest to the previous one, then
 /// those nearest to increasingly different ones, then any; the last attempts also lift nearby positions.
-PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int variation) {
+PointLift lift_of_tip(const TipProjection& arm, const Instance& parent, int variation) {
   return [&arm, &parent, variation](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
     constexpr int any = 16;
     constexpr int beside = 24;
@@ -93,7 +90,7 @@ PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int vari
       arm.lift(s, stream, q);
       return true;
     }
-    std::array<double, 2> to{s[0], s[1]};
+    Configuration to(s.begin(), s.end());
     double share = std::min(1.0, static_cast<double>(attempt) / any + 0.2 * variation);
     if (attempt >= beside) {
       share = static_cast<double>(attempt - beside + 1) / (most - beside);
@@ -114,17 +111,19 @@ PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int vari
 
 }  // namespace
 
-PositionProjection::PositionProjection(const std::string& guide, const Instance& parent) {
+PositionProjection::PositionProjection(const std::string& guide, const Instance& parent,
+                                       const std::vector<std::string>& link) {
+  if (link.size() > 1) throw Error(fmt::format("{}: option 'point' names one link, got {}", guide, link.size()));
   if (!parent.position_axes.empty()) {
+    if (!link.empty()) {
+      throw Error(fmt::format("{}: option 'point' is \"{}\", and the robot '{}' is none of a URDF file", guide,
+                              link.front(), parent.scene->robot_name()));
+    }
     axes_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes,
                                              fmt::format("R^{}", parent.position_axes.size()));
     return;
   }
-  auto chain = arm_chain(parent);
-  if (const auto* why = std::get_if<std::string>(&chain)) {
-    throw Error(fmt::format("{}: needs {}; {}", guide, to_string(GuideClaims::Needs::position), *why));
-  }
-  arm_ = std::make_shared<ArmProjection>(parent, std::get<ArmChain>(std::move(chain)));
+  arm_ = tip_projection(guide, parent, link.empty() ? "" : link.front());
 }
 
 Configurations PositionProjection::lifted(const Configurations& path, View start, View goal) const {
@@ -143,13 +142,17 @@ double PositionProjection::spacing(const Instance& parent, const Instance& point
 std::unique_ptr<Instance> PositionProjection::point_instance(const Instance& parent) const {
   auto instance = std::make_unique<Instance>();
   instance->space = space();
-  instance->scene = arm_ ? std::make_shared<PlanarScene>(arm_->world(), Robot::point()) : parent.scene->of_point();
-  instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
+  instance->scene = arm_ ? arm_->point_scene() : parent.scene->of_point();
+  const auto known = collision_backends(*instance->scene);
+  // The point of a manipulator is a body in space.
+  const std::string collision =
+      std::find(known.begin(), known.end(), parent.collision) != known.end() ? parent.collision : known.front();
+  instance->validity = make_validity(collision, instance->scene, instance->space, parent.resolution, nullptr);
   if (arm_) instance->validity = std::make_shared<ReachableValidity>(instance->validity, arm_);
   project_ends(*this, parent, *instance);
   instance->goal_tolerance = parent.goal_tolerance;
   instance->resolution = parent.resolution;
-  instance->collision = parent.collision;
+  instance->collision = collision;
   instance->position_axes.resize(space().dimension());
   std::iota(instance->position_axes.begin(), instance->position_axes.end(), std::size_t{0});
   return instance;

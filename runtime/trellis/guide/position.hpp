@@ -5,21 +5,24 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include <trellis/guide/arm_projection.hpp>
+#include <trellis/base/component.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/path_steps.hpp>
+#include <trellis/guide/tip_projection.hpp>
 #include <trellis/instance/instance.hpp>
 
 namespace trellis {
 
 /// f: the position of the reference point, or of the tip of an arm that is fixed to its base. The fibre of a reference
-/// point consists of all other coordinates, uniformly; inverse kinematics draws the fibre of a tip (ArmProjection).
+/// point consists of all other coordinates, uniformly; inverse kinematics draws the fibre of a tip (TipProjection).
 class PositionProjection final : public Projection {
  public:
   /// \param guide  name of the guide, for messages
-  /// \throws Error if the robot has neither
-  PositionProjection(const std::string& guide, const Instance& parent);
+  /// \param link   of a manipulator, at most one: the link whose frame's origin is the point; else its tip
+  /// \throws Error if the robot has neither, or no such link
+  PositionProjection(const std::string& guide, const Instance& parent, const std::vector<std::string>& link = {});
 
   void project(View q, MutableView s) const override { of().project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { of().lift(s, stream, q); }
@@ -58,7 +61,15 @@ class PositionProjection final : public Projection {
   }
 
   std::shared_ptr<const AxisProjection> axes_;
-  std::shared_ptr<const ArmProjection> arm_;
+  std::shared_ptr<const TipProjection> arm_;
 };
+
+/// Declares the option `point` of a guide.
+template <class S>
+Settings<S> with_point(Settings<S> settings) {
+  return settings.names("point", &S::point,
+                        "of a robot of a URDF file, the link whose frame's origin is its position, as \"panda_hand\"; "
+                        "without it the middle of the last body of its longest chain");
+}
 
 }  // namespace trellis

@@ -6,7 +6,7 @@
 namespace trellis {
 
 std::unique_ptr<Instance> PositionGuide::point_instance(const Instance& parent) {
-  projection_ = std::make_shared<PositionProjection>(name_, parent);
+  projection_ = std::make_shared<PositionProjection>(name_, parent, link_);
   return projection_->point_instance(parent);
 }
 

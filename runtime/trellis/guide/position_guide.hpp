@@ -39,8 +39,9 @@ class PositionGuide : public Guide, public Repairs {
 
  protected:
   /// \param radius  of the balls about the lifted path, in metres in the metric; 0: half the characteristic length
-  PositionGuide(std::string name, std::int64_t evidence, double radius)
-      : name_(std::move(name)), evidence_(evidence), radius_option_(radius) {}
+  /// \param link    see PositionProjection
+  PositionGuide(std::string name, std::int64_t evidence, double radius, std::vector<std::string> link)
+      : name_(std::move(name)), evidence_(evidence), radius_option_(radius), link_(std::move(link)) {}
 
   /// Makes the instance of a point, without its graph.
   std::unique_ptr<Instance> point_instance(const Instance& parent);
@@ -94,6 +95,7 @@ class PositionGuide : public Guide, public Repairs {
   std::string name_;
   std::int64_t evidence_;
   double radius_option_;
+  std::vector<std::string> link_;
   std::shared_ptr<const PositionProjection> projection_;
   std::shared_ptr<Graph> graph_;
   Instance* point_ = nullptr;  ///< S, outlives this object

@@ -91,7 +91,7 @@ SetUp set_up_of(std::string_view guide, const Options& options, const Scene& sce
       std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.guide == guide; });
   if (entry == entries.end()) throw Fault(fmt::format("the work of setting up '{}' was not measured", guide));
   const auto obstacles = static_cast<double>(scene.obstacle_count());
-  const Rates& rates = scene.spatial() != nullptr ? entry->spatial : entry->planar;
+  const Rates& rates = scene.world_dimension() == 3 ? entry->spatial : entry->planar;
   SetUp work{rates.world.of(obstacles), rates.run.of(obstacles)};
   if (const double each = work_per_path(guide); each > 0.0) work.run += each * retrieved(options);
   return work;

@@ -37,6 +37,7 @@ struct SkeletonSettings {
   bool prune = true;
   double spacing = 0.0;
   double radius = 0.0;
+  std::vector<std::string> point;
   std::int64_t evidence = 60;
   double region = 2.0;
   double explore = 0.5;
@@ -51,7 +52,7 @@ struct SkeletonSettings {
 };
 
 const Settings<SkeletonSettings>& skeleton_settings() {
-  static const Settings<SkeletonSettings> settings =
+  static const Settings<SkeletonSettings> settings = with_point(
       Settings<SkeletonSettings>(Component::Kind::guide, "skeleton",
                                  "the medial axis of the free workspace as a graph, in space one of overlapping "
                                  "maximal balls; dynamic regions "
@@ -103,7 +104,7 @@ const Settings<SkeletonSettings>& skeleton_settings() {
                    "proposals of a region without progress after which it is stuck; when all are, the edges they are "
                    "stuck on cost more and the graph is searched again")
           .integer("resolves", &SkeletonSettings::resolves, "re-solves", Range::non_negative(),
-                   "how often the graph may be searched again");
+                   "how often the graph may be searched again"));
   return settings;
 }
 
@@ -786,7 +787,7 @@ class DynamicRegions final : public Heuristic {
 class SkeletonGuide final : public PositionGuide {
  public:
   explicit SkeletonGuide(const SkeletonSettings& settings)
-      : PositionGuide("skeleton", settings.evidence, settings.radius), settings_(settings) {}
+      : PositionGuide("skeleton", settings.evidence, settings.radius, settings.point), settings_(settings) {}
 
   using PositionGuide::project;
   std::unique_ptr<Instance> project(const Instance& parent) override {

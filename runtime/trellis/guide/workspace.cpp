@@ -28,6 +28,7 @@ enum class Lift : std::uint8_t { automatic, uniform, handles, path };
 struct WorkspaceSettings {
   double cell = 0.0;
   double radius = 0.0;
+  std::vector<std::string> point;
   Lift lift = Lift::automatic;
   std::vector<std::string> handles;
   double window = 0.0;
@@ -37,44 +38,58 @@ struct WorkspaceSettings {
 
 const Settings<WorkspaceSettings>& workspace_settings() {
   static const Settings<WorkspaceSettings> settings =
-      Settings<WorkspaceSettings>(
-          Component::Kind::guide, "workspace",
-          "the robot as a free point: the shortest path of its reference point among the obstacles, on a grid or by "
-          "the "
-          "planner given",
-          "Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, "
-          "Sandstrom, Bregger and Amato 2016")
-          .number("cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
+      with_point(
+          Settings<WorkspaceSettings>(
+              Component::Kind::guide, "workspace",
+              "the robot as a free point: the shortest path of its reference point among the obstacles, on a grid or "
+              "by "
+              "the "
+              "planner given",
+              "Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, "
+              "Sandstrom, Bregger and Amato 2016")
+              .number(
+                  "cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
                   "side of a cell of the grid, whose edges run along sides and diagonals; 0: a fortieth, in space a "
                   "twentieth, of the longest "
                   "side of the space. Without effect where a planner is given that searches no graph")
-          .number(
-              "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
-              "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
-              "of the space's diameter for a point; with `lift = \"path\"` or \"handles\", of the balls in C that "
-              "proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 "
-              "% for an arm")
-          .choice(
-              "lift", &WorkspaceSettings::lift,
-              {{"auto", Lift::automatic}, {"uniform", Lift::uniform}, {"handles", Lift::handles}, {"path", Lift::path}},
-              "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its base, "
-              "any that bring its tip there); \"handles\", as \"path\", but the whole robot is moved and turned "
-              "until its handle points come no nearer to the medial axis of the workspace; of a robot with a motion "
-              "model the path is moved to the axis and only the angles are drawn, the likelier the nearer its "
-              "handles come to the axis, and other coordinates are uniform; \"path\", as skeleton does: points of "
-              "the path are validated in C with angles that follow those before, and proposals are a step of the "
-              "planner ahead of the node that came farthest; \"auto\", \"path\" for an arm that is fixed to its base "
-              "and \"uniform\" for any other robot")
-          .names("handles", &WorkspaceSettings::handles,
-                 "with `lift = \"handles\"`, points of the robot: \"x, y\" in the frame of its first body, or \"n: x, "
-                 "y\" in that of its n-th; a body that turns and has none gets both ends of its longest direction")
-          .number("window", &WorkspaceSettings::window, "m in the metric", Range::non_negative(),
+              .number(
+                  "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
+                  "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or "
+                  "1 % "
+                  "of the space's diameter for a point; with `lift = \"path\"` or \"handles\", of the balls in C that "
+                  "proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point "
+                  "and 5 "
+                  "% for an arm")
+              .choice(
+                  "lift", &WorkspaceSettings::lift,
+                  {{"auto", Lift::automatic},
+                   {"uniform", Lift::uniform},
+                   {"handles", Lift::handles},
+                   {"path", Lift::path}},
+                  "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its "
+                  "base, "
+                  "any that bring its tip there); \"handles\", as \"path\", but the whole robot is moved and turned "
+                  "until its handle points come no nearer to the medial axis of the workspace; of a robot with a "
+                  "motion "
+                  "model the path is moved to the axis and only the angles are drawn, the likelier the nearer its "
+                  "handles come to the axis, and other coordinates are uniform; \"path\", as skeleton does: points of "
+                  "the path are validated in C with angles that follow those before, and proposals are a step of the "
+                  "planner ahead of the node that came farthest; \"auto\", \"path\" for an arm that is fixed to its "
+                  "base "
+                  "and \"uniform\" for any other robot")
+              .names(
+                  "handles", &WorkspaceSettings::handles,
+                  "with `lift = \"handles\"`, points of the robot: \"x, y\" in the frame of its first body, or \"n: x, "
+                  "y\" in that of its n-th; a body that turns and has none gets both ends of its longest direction")
+              .number(
+                  "window", &WorkspaceSettings::window, "m in the metric", Range::non_negative(),
                   "how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or "
                   "two bounding radii where it has none")
-          .integer("evidence", &WorkspaceSettings::evidence, "proposals", Range::at_least(1),
-                   "guided proposals at one place of the path that C found blocked, after which the path is refuted")
-          .integer("resolves", &WorkspaceSettings::resolves, "re-solves", Range::non_negative(),
-                   "how often its space may be solved again")
+              .integer(
+                  "evidence", &WorkspaceSettings::evidence, "proposals", Range::at_least(1),
+                  "guided proposals at one place of the path that C found blocked, after which the path is refuted")
+              .integer("resolves", &WorkspaceSettings::resolves, "re-solves", Range::non_negative(),
+                       "how often its space may be solved again"))
           .positional({"cell"});
   return settings;
 }
@@ -105,7 +120,7 @@ std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
 class Workspace final : public PositionGuide {
  public:
   explicit Workspace(const WorkspaceSettings& settings)
-      : PositionGuide("workspace", settings.evidence, settings.radius), settings_(settings) {}
+      : PositionGuide("workspace", settings.evidence, settings.radius, settings.point), settings_(settings) {}
 
   using PositionGuide::project;
   std::unique_ptr<Instance> project(const Instance& parent) override {

@@ -12,6 +12,7 @@
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/instance/inverse_kinematics.hpp>
+#include <trellis/instance/manipulator_kinematics.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
@@ -65,6 +66,48 @@ void resolve_goal(Problem& problem) {
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   problem.goals.clear();
   for (std::size_t i = 0; i < std::min(all.size(), most_goals); ++i) problem.goals.push_back(all[i].second);
+}
+
+std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
+                                             double turn) {
+  constexpr int tries = 2000;
+  constexpr std::size_t most_goals = 10;
+  constexpr double distinct = 0.05;  // metres in the metric between two goals
+  const ManipulatorScene& scene = *problem.scene->manipulator();
+  const SphereModel& robot = scene.robot;
+  const Pose3& in_body = robot.robot().pose_in_body(link);
+  const PointOnBody point{robot.robot().body_of(link), in_body.position};
+  const Pose3 wanted{target.position, target.orientation * in_body.orientation.inverse()};
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  ManipulatorKinematics kinematics(robot, problem.space, point);
+  Stream stream(0, problem.name, "goal");
+  std::vector<std::pair<double, Configuration>> found;  // with the distance from the start
+  Configuration q(problem.space.dimension());
+  std::size_t reached = 0;
+  for (int i = 0; i < tries && found.size() < 2 * most_goals; ++i) {
+    // The first attempt starts where the robot does.
+    if (i == 0 && !problem.start.empty()) {
+      q = problem.start;
+    } else {
+      problem.space.sample_uniform(stream, q);
+    }
+    // Half of the tolerance is left for rounding.
+    if (!kinematics.bring(q, wanted, 0.5 * near, 0.5 * turn)) continue;
+    ++reached;
+    if (!checker->valid(q)) continue;
+    const bool known = std::any_of(found.begin(), found.end(),
+                                   [&](const auto& one) { return problem.space.distance(one.second, q) < distinct; });
+    if (!known) found.emplace_back(problem.start.empty() ? 0.0 : problem.space.distance(problem.start, q), q);
+  }
+  if (found.empty()) {
+    throw Error(fmt::format("problem '{}': {} of {} starts of inverse kinematics bring link '{}' to its goal, and {}",
+                            problem.name, reached, tries, robot.robot().tree().links()[link].name,
+                            reached == 0 ? "so it is likely out of reach" : "each of them touches something"));
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Configuration> goals;
+  for (std::size_t i = 0; i < std::min(found.size(), most_goals); ++i) goals.push_back(found[i].second);
+  return goals;
 }
 
 }  // namespace trellis

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/space/rotation.hpp>
 
 namespace trellis {
 
@@ -13,5 +17,14 @@ void resolve_goal(Problem& problem);
 
 /// Whether the configuration lies in the goal region.
 bool reaches(const Robot& robot, const Reach& reach, View q);
+
+/// Returns valid configurations of a manipulator that bring a link to a pose, by inverse kinematics: at most ten, the
+/// nearest to the start first.
+/// \param problem  its scene is one of a manipulator; without a start they are in no order
+/// \param near     metres from the pose's position; > 0
+/// \param turn     radians from its orientation; > 0
+/// \throws Error where none is found
+std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
+                                             double turn);
 
 }  // namespace trellis

@@ -115,6 +115,36 @@ std::uint64_t hash_of(const Robot3& robot) {
   return stable_hash(bytes);
 }
 
+std::uint64_t hash_of(const SphereModel& model) {
+  std::string bytes = "m";
+  const auto put_pose = [&](const Pose3& pose) {
+    put(bytes, pose.position);
+    const Quaternion& turn = pose.orientation;
+    for (const double x : {turn.x, turn.y, turn.z, turn.w}) put_number(bytes, x);
+  };
+  put_pose(model.base());
+  for (std::size_t b = 0; b < model.bodies().size(); ++b) {
+    const Manipulator::Body& body = model.robot().bodies()[b];
+    put_integer(bytes, body.parent);
+    put_integer(bytes, static_cast<std::uint64_t>(body.kind));
+    put_integer(bytes, body.column);
+    put_pose(body.origin);
+    put(bytes, body.axis);
+    put_number(bytes, body.multiplier);
+    put_number(bytes, body.offset);
+    put_integer(bytes, model.bodies()[b].size());
+    for (const BodySphere& ball : model.bodies()[b]) {
+      put(bytes, ball.centre);
+      put_number(bytes, ball.radius);
+    }
+  }
+  for (const auto& [first, second] : model.pairs()) {
+    put_integer(bytes, first);
+    put_integer(bytes, second);
+  }
+  return stable_hash(bytes);
+}
+
 std::uint64_t hash_of(const World3& world) {
   std::string bytes = "3";
   put(bytes, world.bounds().lo);

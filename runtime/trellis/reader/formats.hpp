@@ -98,6 +98,9 @@ bool is_svg(const SourceText& text);
 SceneFile read_svg(const SourceText& text, const ReadOptions& options);
 
 /// Whether the text is YAML with the key `image`, and with `resolution` or `occupied_thresh`.
+/// A planning scene of MoveIt as YAML. \throws Error where the options have no robot
+bool is_moveit_scene(const SourceText& text);
+SceneFile read_moveit_scene(const SourceText& text, const ReadOptions& options);
 bool is_ros_map(const SourceText& text);
 SceneFile read_ros_map(const SourceText& text, const ReadOptions& options);
 

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include <trellis/base/errors.hpp>
+#include <trellis/reader/formats.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/reader/yaml_entry.hpp>
 
@@ -100,26 +103,18 @@ class Values {
   std::vector<std::optional<double>> values_;
 };
 
+/// The file of the request; "" where the name of the scene does not say which it is.
 std::string request_beside(const std::string& path) {
   const std::size_t slash = path.find_last_of('/') + 1;
   const std::size_t at = path.rfind("scene");
-  if (at == std::string::npos || at < slash) {
-    throw Error(fmt::format(
-        "{}: the name of a scene of MoveIt contains 'scene'; that of its request has 'request' there", path));
-  }
+  if (at == std::string::npos || at < slash) return "";
   std::string request = path;
   return request.replace(at, 5, "request");
 }
 
-}  // namespace
-
-MoveitFile read_moveit(const std::string& path, const Manipulator& robot, double reach, const Pose3& base) {
-  MoveitFile file;
-  const SourceText scene_text = SourceText::load(path);
-  const YamlEntry scene = YamlEntry::root(scene_text, "a scene of MoveIt as a YAML map");
-  std::vector<Obstacle3> obstacles = obstacles_of(scene, file.warnings);
-
-  const SourceText request_text = SourceText::load(request_beside(path));
+/// Reads the start and the goal.
+void read_request(const std::string& path, const Manipulator& robot, MoveitFile& file) {
+  const SourceText request_text = SourceText::load(path);
   const YamlEntry request = YamlEntry::root(request_text, "a request of MoveIt as a YAML map");
   if (request.has("group_name")) file.group = request.at("group_name").word();
   Values start(robot);
@@ -137,6 +132,49 @@ MoveitFile read_moveit(const std::string& path, const Manipulator& robot, double
     goal.set(one.at("joint_name").word(), one.at("position").number());
   }
   file.goal = goal.all(goals.front(), "goal");
+}
+
+}  // namespace
+
+bool is_moveit_scene(const SourceText& text) {
+  const std::string all = text.joined();
+  return all.find("collision_objects:") != std::string::npos && all.find("robot_state:") != std::string::npos;
+}
+
+SceneFile read_moveit_scene(const SourceText& text, const ReadOptions& options) {
+  const std::string& path = text.path;
+  if (!options.manipulator) {
+    throw Error(
+        fmt::format("{}: a scene of MoveIt names its robot and does not contain it: give "
+                    "robot = robot.urdf(\"FILE.urdf\", {{ srdf = \"FILE.srdf\", group = \"GROUP\" }})",
+                    path));
+  }
+  const SphereModel& robot = *options.manipulator;
+  MoveitFile moveit = read_moveit(path, robot);
+  SceneFile file{"planning scene of MoveIt", "1 = 1 m", "the frame of the scene: z up", {}};
+  Problem problem;
+  problem.name = std::filesystem::path(path).stem().string();
+  problem.scene = std::make_shared<const ManipulatorScene>(std::move(moveit.world), robot);
+  problem.space = problem.scene->default_space(options.weight == 0.0 ? 1.0 : options.weight);
+  problem.start = std::move(moveit.start);
+  if (!moveit.goal.empty()) problem.goals = {std::move(moveit.goal)};
+  problem.resolution = options.resolution;
+  problem.collision = "spheres";
+  file.problems.push_back(std::move(problem));
+  file.warnings = std::move(moveit.warnings);
+  return file;
+}
+
+MoveitFile read_moveit(const std::string& path, const SphereModel& model) {
+  const Manipulator& robot = model.robot();
+  const double reach = model.bounding_radius();
+  const Pose3& base = model.base();
+  MoveitFile file;
+  const SourceText scene_text = SourceText::load(path);
+  const YamlEntry scene = YamlEntry::root(scene_text, "a scene of MoveIt as a YAML map");
+  std::vector<Obstacle3> obstacles = obstacles_of(scene, file.warnings);
+
+  if (std::filesystem::exists(request_beside(path))) read_request(request_beside(path), robot, file);
 
   Vec3 lo = base.position - Vec3{reach, reach, reach};
   Vec3 hi = base.position + Vec3{reach, reach, reach};

@@ -24,7 +24,7 @@ struct Format {
 };
 
 /// In the order in which a file is tried; the last one explains what it expected.
-constexpr std::array<Format, 11> formats = {{{is_moving_ai_map, read_moving_ai_map, false},
+constexpr std::array<Format, 12> formats = {{{is_moving_ai_map, read_moving_ai_map, false},
                                              {is_moving_ai_queries, read_moving_ai_queries, false},
                                              {is_barn, read_barn, false},
                                              {is_rl_plan, read_rl_plan, true},
@@ -34,6 +34,7 @@ constexpr std::array<Format, 11> formats = {{{is_moving_ai_map, read_moving_ai_m
                                              {is_ompl_app, read_ompl_app, true},
                                              {is_sbpl_arm, read_sbpl_arm, true},
                                              {is_ros_map, read_ros_map, false},
+                                             {is_moveit_scene, read_moveit_scene, true},
                                              {[](const SourceText& text) {
                                                 static_cast<void>(text);
                                                 return true;
@@ -67,6 +68,12 @@ SceneFile read_format(const std::string& path, const ReadOptions& options) {
   for (const Format& format : formats) {
     if (!format.is(text)) continue;
     if (format.read == read_dynobench && !is_dynobench(text)) refuse(path, unread_text(text));
+    if (options.manipulator && format.read != read_moveit_scene) {
+      throw Error(fmt::format("{}: a robot of a URDF file moves in scenes of MoveIt, and this is none", path));
+    }
+    if (format.read == read_moveit_scene && options.robot) {
+      throw Error(fmt::format("{}: in a scene of MoveIt a robot of a URDF file moves: robot = robot.urdf(...)", path));
+    }
     if (format.has_robot && options.robot) {
       throw Error(fmt::format("{}: the file has a robot of its own; leave out 'robot'", path));
     }

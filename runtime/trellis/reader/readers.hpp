@@ -7,6 +7,7 @@
 
 #include <trellis/scene/planar/robot.hpp>
 #include <trellis/scene/scene.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/space/rotation.hpp>
 
 namespace trellis {
@@ -23,12 +24,13 @@ struct ReadOptions {
   std::string collision = "planar";  ///< see Problem
   bool motion = true;            ///< problems have the motion models that the files name, where there is such a model
   double goal_tolerance = 0.25;  ///< of problems with a motion model: their files do not give one
-  std::optional<Robot> robot = {};         ///< moves in a world whose file has no robot; none: the format's default
-  Configuration start = {};                ///< replaces the start of the file's one problem; empty: as in the file
-  Configuration goal = {};                 ///< replaces its goal
-  MapServer map_server = MapServer::nav2;  ///< of maps of ROS
-  std::optional<Pose3> start_pose = {};    ///< in place of `start`, of a body in space
-  std::optional<Pose3> goal_pose = {};     ///< in place of `goal`, of a body in space
+  std::optional<Robot> robot = {};  ///< moves in a world whose file has no robot; none: the format's default
+  std::optional<SphereModel> manipulator = {};  ///< the robot of a scene of MoveIt
+  Configuration start = {};                     ///< replaces the start of the file's one problem; empty: as in the file
+  Configuration goal = {};                      ///< replaces its goal
+  MapServer map_server = MapServer::nav2;       ///< of maps of ROS
+  std::optional<Pose3> start_pose = {};         ///< in place of `start`, of a body in space
+  std::optional<Pose3> goal_pose = {};          ///< in place of `goal`, of a body in space
 };
 
 /// What a scene file of another project contains.
@@ -56,6 +58,8 @@ struct SceneFile {
 ///    a section [problem]: a configuration of OMPL.app. Their robots are rigid bodies in space, see docs/meshes.md.
 ///  - a planar arm of SBPL on a grid. Its goal is a cell for the end of the last link: `reach` is set and `goal` is
 ///    empty, see resolve_goal.
+///  - YAML with `world` and `robot_model_name`: a planning scene of MoveIt, with the request beside it, as
+///    MotionBenchMaker writes them; the robot is `manipulator`.
 ///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
 /// \throws Error with file and line for malformed or missing content.
 SceneFile read_scene(const std::string& path, const ReadOptions& options);

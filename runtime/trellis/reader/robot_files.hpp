@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <trellis/scene/spatial/kinematic_tree.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/world.hpp>
 
 namespace trellis {
@@ -44,19 +45,37 @@ struct SrdfFile {
 /// \throws Error with file and line for all faults of the file together
 SrdfFile read_srdf(const std::string& path, const KinematicTree& tree);
 
+/// What a robot is made of: its files, and the joints that move.
+struct ManipulatorFiles {
+  std::string urdf;
+  std::string srdf;                      ///< "" for none
+  std::string group;                     ///< of the SRDF file; "" for none
+  std::vector<std::string> joints;       ///< that move, in place of a group; without both all that can move do
+  std::map<std::string, double> values;  ///< of joints that do not move, radians or metres; others are at 0 or at the
+                                         ///< nearest limit
+  bool mobile = false;                   ///< the base moves in the plane, as a planar joint named "base" says
+  bool self_collision = true;            ///< links must not touch each other
+};
+
+/// Reads a robot from its URDF file, and from its SRDF file if there is one. Its named states are those of the SRDF
+/// file that give a value for each joint that moves, and those of the base are 0. Without a SRDF file the pairs of
+/// links that may touch are guessed by `likely_contacts`. \param warnings  receives those of the files \throws Error
+/// with file and line; or with the nearest name where a group or a joint does not exist
+SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings);
+
 /// A planning problem of MoveIt, as MotionBenchMaker writes it: a scene and a request.
 struct MoveitFile {
   World3 world;
   Configuration start;  ///< of the robot's moving joints
   Configuration goal;
-  std::string group;    ///< that the request names; "" without one
+  std::string group;  ///< that the request names; "" without one
   std::vector<std::string> warnings;
 };
 
-/// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene". The bounds of the world
+/// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene"; without a request there
+/// are no start and goal. The bounds of the world
 /// contain the robot's reach and all objects; they limit nothing.
-/// \param base  of the robot in the world
 /// \throws Error with file and line
-MoveitFile read_moveit(const std::string& path, const Manipulator& robot, double reach, const Pose3& base = {});
+MoveitFile read_moveit(const std::string& path, const SphereModel& robot);
 
 }  // namespace trellis

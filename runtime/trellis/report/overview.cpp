@@ -376,7 +376,7 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
   if (!guided) {
     if (experiment.strategies.size() > 1) return "--report full prints every figure";
     const Scene* scene = experiment.problems.empty() ? nullptr : experiment.problems.front().scene.get();
-    const bool space = scene != nullptr && scene->spatial() != nullptr;
+    const bool space = scene != nullptr && scene->world_dimension() == 3;
     return fmt::format("put a guide before the planner, for instance {} >> {}", space ? "workspace()" : "skeleton()",
                        experiment.strategies.front().second.text());
   }

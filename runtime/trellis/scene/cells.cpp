@@ -8,6 +8,7 @@
 #include <trellis/scene/planar/triangle_cells.hpp>
 #include <trellis/scene/spatial/octree_cells.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -18,7 +19,7 @@ std::shared_ptr<const Cells> free_cells(const Scene& scene, double size, double 
                          [&](const World& world) { return TriangleCells(Triangulation(world, size)); });
   }
   static CacheByWorld<OctreeCells, std::pair<double, double>> boxes;
-  return boxes.get(spatial(scene).world, {size, needed},
+  return boxes.get(*spatial_world(scene), {size, needed},
                    [&](const World3& world) { return OctreeCells(world, size, needed); });
 }
 

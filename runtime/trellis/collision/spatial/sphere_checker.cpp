@@ -155,7 +155,7 @@ class SphereChecker final : public Checker {
         world_(scene_->manipulator()->world),
         model_(scene_->manipulator()->robot),
         robot_(model_.robot()),
-        base_(scene_->manipulator()->base),
+        base_(scene_->manipulator()->robot.base()),
         space_(space),
         resolution_(resolution),
         slack_(touching_slack(*scene_)),

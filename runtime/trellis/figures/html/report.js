@@ -63,7 +63,9 @@ function unpackLevel(raw, number) {
   const level = { number, raw, axes, name: raw.name, nodes: rows(raw.nodes, axes), proposals: rows(raw.proposals, axes) };
   const n = level.nodes.size, p = level.proposals.size;
   level.robot = data.robots[raw.robot] || null;
-  level.drawn = raw.position.length >= 2;
+  // Of a robot of links and joints in space the tip has a position.
+  level.tip = raw.position.length < 2 && !!level.robot && !!level.robot.bodies && !!level.robot.tip && axes.length >= level.robot.dimension;
+  level.drawn = raw.position.length >= 2 || level.tip;
   [level.x, level.y, level.z] = raw.position;
   level.rotations = raw.rotations || [];      // the first columns of unit quaternions
   level.parents = raw.parents === null ? null : numbers(raw.parents).map((delta, i) => i - signed(delta));
@@ -346,7 +348,7 @@ function spaceFrame(b, ratio, width, height) {
   const diagonal = Math.hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
   const space = { b, ratio, width, height, scale, camera, space: true, picture: null, bias: 0.004 * diagonal,
     project: (x, y, z) => [width / 2 + (dot(camera.right, [x, y, z]) - cx) * scale, height / 2 - (dot(camera.up, [x, y, z]) - cy) * scale, dot(camera.to, [x, y, z])],
-    at: (q, level) => space.project(q[level.x], q[level.y], q[level.z]),
+    at: (q, level) => level.tip ? space.project(...tipOf(level.robot, q)) : space.project(q[level.x], q[level.y], q[level.z]),
     hides: ([x, y, depth]) => space.picture !== null && space.picture.depthAt(x, y) > depth + space.bias,
     back: (px, py) => [cx + (px - width / 2) / scale, cy - (py - height / 2) / scale] };
   return space;
@@ -354,6 +356,9 @@ function spaceFrame(b, ratio, width, height) {
 
 /// The triangles of a world or a robot of space.
 const partsOf = raw => raw.parts3 || (raw.parts3 = space3.surfaces(raw, bytes, numbers));
+/// The pose of each part of a robot of space: of links and joints by forward kinematics.
+const posesOf = (robot, q) => robot.bodies ? space3.bodyPoses(robot, q) : partsOf(robot.surfaces).map(() => poseOf(robot, q));
+const tipOf = (robot, q) => { const [body, ...point] = robot.tip; return space3.placed(space3.bodyPoses(robot, q)[body], point); };
 const poseOf = (robot, q) => ({ position: [q[0], q[1], q[2]], rotation: robot.rotates ? space3.unit([q[3], q[4], q[5], q[6]]) : [0, 0, 0, 1] });
 
 /// Draws the solids of a scene of space into its depth buffer: obstacles, and robots as [robot, q, colour]. Keeps the
@@ -369,7 +374,8 @@ function drawSolids(problem, robots) {
       if (!space3.closesView(part, frame.b, frame.camera.to)) picture.surface(part, frame, place, base, edge, { obstacle: true, dark: 0.72, bias: frame.bias });
     }
     for (const [robot, q, colour] of robots) {
-      for (const part of partsOf(robot.surfaces)) picture.surface(part, frame, place, rgb(colour), null, { pose: poseOf(robot, q), dark: 0.6, bias: frame.bias });
+      const poses = posesOf(robot, q);
+      partsOf(robot.surfaces).forEach((part, i) => picture.surface(part, frame, place, rgb(colour), null, { pose: poses[i], dark: 0.6, bias: frame.bias }));
     }
     canvas.solids = { key, picture: picture.finish() };
   }
@@ -409,9 +415,9 @@ function addLine(a, b, seen, hidden) {
 function drawRobot3(robot, q, options) {
   const parts = partsOf(robot.surfaces);
   if (!parts.length) return false;
-  const pose = poseOf(robot, q), lines = [];
-  for (const part of parts) {
-    const at = i => space3.rotated(pose.rotation, part.vertices.subarray(3 * i, 3 * i + 3)).map((c, k) => c + pose.position[k]);
+  const poses = posesOf(robot, q), lines = [];
+  for (const [n, part] of parts.entries()) {
+    const pose = poses[n], at = i => space3.placed(pose, part.vertices.subarray(3 * i, 3 * i + 3));
     for (let i = 0; i < part.edges.length; i += 2) lines.push([at(part.edges[i]), at(part.edges[i + 1])]);
     for (const [a, b] of space3.outline(part, pose.rotation, frame.camera.to)) lines.push([at(a), at(b)]);
   }
@@ -820,15 +826,16 @@ function drawRun() {
   // As in the figures: the start is filled, a goal is an outline.
   const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', null]);
   for (const [q, name, fill] of [[problem.start, 'start', colours.ends], ...goals]) {
+    const tip = frame.space && robot && robot.bodies;
     if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
-    const [x, y] = problem.position.length >= 2 ? frame.at(q, { x: problem.position[0], y: problem.position[1], z: problem.position[2] })
+    const [x, y] = tip ? frame.project(...tipOf(robot, q)) : problem.position.length >= 2 ? frame.at(q, { x: problem.position[0], y: problem.position[1], z: problem.position[2] })
                                                 : [frame.X(robot ? robot.base[0] : 0), frame.Y(robot ? robot.base[1] : 0)];
-    if (problem.position.length < 2 && !fill) continue;
+    if (problem.position.length < 2 && !fill && !tip) continue;
     pen.beginPath(); pen.arc(x, y, 3, 0, 7);
     pen.fillStyle = fill || colours.free; pen.fill();
     pen.strokeStyle = colours.ends; pen.lineWidth = 1.5; pen.stroke();
-    const label = problem.position.length < 2 ? 'base' : name;
-    const reach = robot ? Math.max(6, Math.min(40, robot.radius * frame.scale)) : 6;
+    const label = problem.position.length < 2 && !tip ? 'base' : name;
+    const reach = robot && !tip ? Math.max(6, Math.min(40, robot.radius * frame.scale)) : 6;
     const tx = Math.min(frame.width - 36, Math.max(4, x - 12)), ty = y - reach - 2 < 16 ? y + reach + 18 : y - reach - 2;
     pen.lineWidth = 3; pen.strokeStyle = colours.free; pen.lineJoin = 'round'; pen.strokeText(label, tx, ty);
     pen.fillStyle = colours.ends; pen.fillText(label, tx, ty);

@@ -30,6 +30,41 @@ function slerp(a, b, t) {
 }
 const unit = q => { const n = Math.hypot(...q); return n > 0 ? q.map(c => c / n) : [0, 0, 0, 1]; };
 
+/// A point of a body in the world.
+const placed = (pose, v) => add(rotated(pose.rotation, v), pose.position);
+
+/// The quaternion a * b.
+const times = (a, b) => [
+  a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+  a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]];
+
+/// Two directions across an axis, as the planner chooses them.
+function across(axis) {
+  const other = Math.abs(axis[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0], along = dot(other, axis);
+  const first = other.map((c, k) => c - along * axis[k]), u = first.map(c => c / Math.hypot(...first));
+  return [u, cross(axis, u)];
+}
+
+/// The poses of all bodies of a robot of links and joints (forward kinematics): each comes after its parent.
+function bodyPoses(robot, q) {
+  const turn = (axis, angle) => [...axis.map(c => c * Math.sin(angle / 2)), Math.cos(angle / 2)];
+  const of = pose => ({ position: pose.slice(0, 3), rotation: pose.slice(3) });
+  const joined = (a, b) => ({ position: placed(a, b.position), rotation: times(a.rotation, b.rotation) });
+  const poses = [of(robot.base)];
+  for (let i = 1; i < robot.bodies.length; i++) {
+    const body = robot.bodies[i], value = body.multiplier * q[body.column] + body.offset;
+    const joint = { position: [0, 0, 0], rotation: [0, 0, 0, 1] };
+    if (body.kind === 'prismatic') joint.position = body.axis.map(c => c * value);
+    else if (body.kind === 'planar') {
+      const [u, v] = across(body.axis);
+      joint.position = u.map((c, k) => c * q[body.column] + v[k] * q[body.column + 1]);
+      joint.rotation = turn(body.axis, q[body.column + 2]);
+    } else joint.rotation = turn(body.axis, value);
+    poses.push(joined(joined(poses[body.parent], of(body.origin)), joint));
+  }
+  return poses;
+}
+
 /// Unpacks the surfaces of a world or a robot, with the functions of report.js that read bytes and numbers.
 function surfaces(raw, bytes, numbers) {
   const floats = new Float32Array(bytes(raw.vertices).buffer), parts = numbers(raw.parts);
@@ -227,5 +262,5 @@ function axisEdge(b, axis, frame) {
   return best;
 }
 
-return { rotated, angle, slerp, unit, surfaces, outline, camera, closesView, Picture, ticks, boxEdges, axisEdge, corner };
+return { rotated, placed, bodyPoses, angle, slerp, unit, surfaces, outline, camera, closesView, Picture, ticks, boxEdges, axisEdge, corner };
 })();

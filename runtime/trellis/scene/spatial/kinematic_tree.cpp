@@ -11,15 +11,14 @@
 
 namespace trellis {
 
-namespace {
-
-/// Two directions across an axis, such that the three are right-handed; x and y for the axis z.
 std::pair<Vec3, Vec3> across(const Vec3& axis) {
   const Vec3 other = std::abs(axis.x) < 0.9 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
   const Vec3 first = other - dot(other, axis) * axis;
   const Vec3 u = (1.0 / norm(first)) * first;
   return {u, cross(axis, u)};
 }
+
+namespace {
 
 /// The pose of a joint's child frame in the joint's frame.
 Pose3 moved(Joint::Kind kind, const Vec3& axis, View values) {
@@ -159,6 +158,18 @@ std::optional<std::size_t> KinematicTree::joint_of(std::size_t link) const {
   return joint_of_[link] < joints_.size() ? std::optional(joint_of_[link]) : std::nullopt;
 }
 
+KinematicTree KinematicTree::on_ground() const {
+  std::vector<Link> links = links_;
+  links.push_back({"ground", {}});
+  std::vector<Joint> joints = joints_;
+  joints.push_back({.name = "base",
+                    .kind = Joint::Kind::planar,
+                    .parent = links.size() - 1,
+                    .child = base_,
+                    .axis = {0.0, 0.0, 1.0}});
+  return {name_, std::move(links), std::move(joints)};
+}
+
 std::optional<std::size_t> KinematicTree::find_link(const std::string& name) const {
   const auto it = std::find_if(links_.begin(), links_.end(), [&](const Link& link) { return link.name == name; });
   return it != links_.end() ? std::optional(static_cast<std::size_t>(it - links_.begin())) : std::nullopt;
@@ -281,6 +292,24 @@ double Manipulator::extension(std::size_t body) const {
 
 Manipulator Manipulator::with_moving(std::vector<std::size_t> moving) const {
   return {tree_, std::move(moving), values_};
+}
+
+Manipulator Manipulator::attached(const Link& link, std::size_t to) const {
+  if (tree_.find_link(link.name)) {
+    throw Error(fmt::format("robot '{}' has a link '{}' already", tree_.name(), link.name));
+  }
+  std::vector<Link> links = tree_.links();
+  links.push_back(link);
+  std::vector<Joint> joints = tree_.joints();
+  joints.push_back({.name = "attach " + link.name, .parent = to, .child = links.size() - 1});
+  KinematicTree tree(tree_.name(), std::move(links), std::move(joints));
+  // The new joint has a place among the others, whose order stays.
+  const std::size_t place = *tree.joint_of(tree.links().size() - 1);
+  std::vector<std::size_t> moving = moving_;
+  for (std::size_t& j : moving) j += j >= place ? 1 : 0;
+  std::vector<std::vector<double>> values = values_;
+  if (place < values.size()) values.insert(values.begin() + static_cast<std::ptrdiff_t>(place), std::vector<double>());
+  return {std::move(tree), std::move(moving), values};
 }
 
 Pose3 Manipulator::joint_pose(std::size_t body, View q) const {

@@ -50,6 +50,11 @@ struct Joint {
   [[nodiscard]] std::size_t width() const;
 };
 
+/// Two directions across an axis, such that the three are right-handed; x and y for the axis z. A planar joint slides
+/// along them.
+/// \param axis  of norm 1
+std::pair<Vec3, Vec3> across(const Vec3& axis);
+
 /// The name of a kind in URDF: "revolute".
 const char* to_string(Joint::Kind kind);
 
@@ -70,6 +75,8 @@ class KinematicTree {
   [[nodiscard]] std::size_t base() const { return base_; }
   /// The joint whose child a link is; none for the base.
   [[nodiscard]] std::optional<std::size_t> joint_of(std::size_t link) const;
+  /// Returns the robot with a planar joint, named "base", under its base: of the link "ground", which is the new base.
+  [[nodiscard]] KinematicTree on_ground() const;
   [[nodiscard]] std::optional<std::size_t> find_link(const std::string& name) const;
   [[nodiscard]] std::optional<std::size_t> find_joint(const std::string& name) const;
   /// Whether fixed joints connect two links.
@@ -135,6 +142,9 @@ class Manipulator {
   /// Returns the robot of which these joints move, and the others stay where they are: those that moved at 0 or at the
   /// nearest limit.
   [[nodiscard]] Manipulator with_moving(std::vector<std::size_t> moving) const;
+  /// Returns the robot with one more link, the last one, which is fixed to another.
+  /// \throws Error where a link has its name
+  [[nodiscard]] Manipulator attached(const Link& link, std::size_t to) const;
 
  private:
   void add_reaches();

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/random.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/spatial/sphere_cover.hpp>
 
@@ -52,8 +53,8 @@ Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 }  // namespace
 
-SphereModel::SphereModel(Manipulator robot, std::vector<std::pair<std::size_t, std::size_t>> pairs)
-    : robot_(std::move(robot)), pairs_(std::move(pairs)) {
+SphereModel::SphereModel(Manipulator robot, Pairs may_touch)
+    : robot_(std::move(robot)), may_touch_(std::move(may_touch)), pairs_(self_collision_pairs(robot_, may_touch_)) {
   for (const Manipulator::Body& body : robot_.bodies()) {
     std::vector<BodySphere>& balls = bodies_.emplace_back();
     for (const Solid& solid : body.solids) {
@@ -68,9 +69,14 @@ SphereModel::SphereModel(Manipulator robot, std::vector<std::pair<std::size_t, s
   enclose();
 }
 
-SphereModel::SphereModel(Manipulator robot, std::vector<std::vector<BodySphere>> bodies,
-                         std::vector<std::pair<std::size_t, std::size_t>> pairs, bool exact)
-    : robot_(std::move(robot)), bodies_(std::move(bodies)), pairs_(std::move(pairs)), exact_(exact) {
+SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies,
+                         Pairs pairs)
+    : robot_(std::move(robot)),
+      bodies_(std::move(bodies)),
+      may_touch_(whole.may_touch_),
+      pairs_(std::move(pairs)),
+      base_(whole.base_),
+      exact_(whole.exact_) {
   for (auto& balls : bodies_) {
     if (!balls.empty()) balls.erase(balls.begin());
   }
@@ -92,6 +98,52 @@ void SphereModel::enclose() {
   }
 }
 
+PointOnBody SphereModel::tip() const {
+  PointOnBody tip;
+  std::size_t longest = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].empty()) continue;
+    std::size_t joints = 0;
+    for (std::size_t at = b; at != 0; at = robot_.bodies()[at].parent) ++joints;
+    if (joints < longest || (joints == longest && longest > 0)) continue;  // of equal chains the first
+    longest = joints;
+    tip = {b, bodies_[b].front().centre};
+  }
+  return tip;
+}
+
+Vec3 SphereModel::position(const PointOnBody& point, View q) const {
+  Pose3 pose;
+  std::vector<std::size_t> chain;
+  for (std::size_t at = point.body; at != 0; at = robot_.bodies()[at].parent) chain.push_back(at);
+  for (std::size_t i = chain.size(); i-- > 0;) pose = pose * robot_.joint_pose(chain[i], q);
+  return base_(pose(point.point));
+}
+
+SphereModel SphereModel::based_at(const Pose3& base) const {
+  SphereModel moved = *this;
+  moved.base_ = base;
+  return moved;
+}
+
+SphereModel SphereModel::with_states(std::vector<State> states) const {
+  SphereModel named = *this;
+  named.states_ = std::move(states);
+  return named;
+}
+
+SphereModel SphereModel::attached(const std::string& name, const Solid& solid, std::size_t link,
+                                  const std::vector<std::size_t>& touch) const {
+  const std::size_t added = robot_.tree().links().size();
+  Pairs may_touch = may_touch_;
+  for (const std::size_t other : touch) may_touch.emplace_back(other, added);
+  std::sort(may_touch.begin(), may_touch.end());
+  SphereModel with(robot_.attached({name, {solid}}, link), std::move(may_touch));
+  with.base_ = base_;
+  with.states_ = states_;
+  return with;
+}
+
 SphereModel SphereModel::thinned(double factor) const {
   std::vector<std::vector<BodySphere>> bodies = bodies_;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -107,7 +159,9 @@ SphereModel SphereModel::thinned(double factor) const {
       ball.radius *= factor;
     }
   }
-  return {robot_, std::move(bodies), pairs_, exact_};
+  SphereModel thin(*this, robot_, std::move(bodies), pairs_);
+  thin.states_ = states_;
+  return thin;
 }
 
 std::optional<SphereModel> SphereModel::reduced(const std::vector<std::size_t>& kept) const {
@@ -144,18 +198,17 @@ std::optional<SphereModel> SphereModel::reduced(const std::vector<std::size_t>& 
       balls.push_back({at(bodies_[b][i].centre), bodies_[b][i].radius});
     }
   }
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  Pairs pairs;
   for (const auto& [a, b] : pairs_) {
     if (determined[a] == 0 || determined[b] == 0) continue;
     const std::size_t first = part.body_of(all[a].links.front());
     const std::size_t second = part.body_of(all[b].links.front());
     if (first != second) pairs.emplace_back(std::min(first, second), std::max(first, second));
   }
-  return SphereModel(std::move(part), std::move(bodies), std::move(pairs), exact_);
+  return SphereModel(*this, std::move(part), std::move(bodies), std::move(pairs));
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> self_collision_pairs(
-    const Manipulator& robot, const std::vector<std::pair<std::size_t, std::size_t>>& disabled) {
+SphereModel::Pairs self_collision_pairs(const Manipulator& robot, const SphereModel::Pairs& may_touch) {
   const KinematicTree& tree = robot.tree();
   const std::size_t bodies = robot.bodies().size();
   // Links that fixed joints connect count as one: parent and child of a joint may touch.
@@ -178,11 +231,11 @@ std::vector<std::pair<std::size_t, std::size_t>> self_collision_pairs(
       const std::size_t first = std::min(robot.body_of(a), robot.body_of(b));
       const std::size_t second = std::max(robot.body_of(a), robot.body_of(b));
       if (first == second || beside(a, b)) continue;
-      if (std::binary_search(disabled.begin(), disabled.end(), std::pair(a, b))) continue;
+      if (std::binary_search(may_touch.begin(), may_touch.end(), std::pair(a, b))) continue;
       checked[first][second] = 1;
     }
   }
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  SphereModel::Pairs pairs;
   for (std::size_t a = 0; a < bodies; ++a) {
     for (std::size_t b = a + 1; b < bodies; ++b) {
       if (checked[a][b] != 0) pairs.emplace_back(a, b);
@@ -191,8 +244,85 @@ std::vector<std::pair<std::size_t, std::size_t>> self_collision_pairs(
   return pairs;
 }
 
+std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight) {
+  std::vector<Axis> axes;
+  for (const std::size_t j : robot.moving()) {
+    const Joint& joint = robot.tree().joints()[j];
+    switch (joint.kind) {
+      case Joint::Kind::prismatic: axes.push_back({joint.name, joint.lo, joint.hi, 1.0, false}); break;
+      case Joint::Kind::continuous:
+        axes.push_back({joint.name, -std::numbers::pi, std::numbers::pi, weight, true});
+        break;
+      case Joint::Kind::planar:
+        axes.push_back({joint.name + ".x", bounds.lo.x, bounds.hi.x, 1.0, false});
+        axes.push_back({joint.name + ".y", bounds.lo.y, bounds.hi.y, 1.0, false});
+        axes.push_back({joint.name + ".theta", -std::numbers::pi, std::numbers::pi, weight, true});
+        break;
+      default: axes.push_back({joint.name, joint.lo, joint.hi, weight, false}); break;
+    }
+  }
+  return axes;
+}
+
+SphereModel::Pairs likely_contacts(const Manipulator& robot) {
+  constexpr int samples = 1000;
+  constexpr double share = 0.95;
+  const SphereModel model(robot);
+  std::vector<int> contacts(model.pairs().size(), 0);
+  std::vector<Pose3> poses;
+  const auto touching = [&](std::size_t a, std::size_t b) {
+    const auto& first = model.bodies()[a];
+    const auto& second = model.bodies()[b];
+    if (first.empty() || second.empty()) return false;
+    const Pose3 between = poses[a].inverse() * poses[b];
+    const auto apart = [](const BodySphere& ball, const Vec3& at, double radius) {
+      return norm(ball.centre - at) > ball.radius + radius;
+    };
+    if (apart(first[0], between(second[0].centre), second[0].radius)) return false;
+    for (std::size_t j = 1; j < second.size(); ++j) {
+      const Vec3 at = between(second[j].centre);
+      if (apart(first[0], at, second[j].radius)) continue;
+      for (std::size_t i = 1; i < first.size(); ++i) {
+        if (!apart(first[i], at, second[j].radius)) return true;
+      }
+    }
+    return false;
+  };
+  Configuration q(robot.dimension(), 0.0);
+  Stream stream(0, robot.tree().name(), "likely contacts");
+  for (int k = 0; k <= samples; ++k) {
+    std::size_t column = 0;
+    for (const std::size_t j : robot.moving()) {
+      const Joint& joint = robot.tree().joints()[j];
+      const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
+      for (std::size_t i = 0; i < joint.width(); ++i, ++column) {
+        const double lo = limited ? joint.lo : -std::numbers::pi;
+        const double hi = limited ? joint.hi : std::numbers::pi;
+        q[column] = k == 0 ? std::clamp(0.0, lo, hi) : lo + stream.uniform() * (hi - lo);
+      }
+    }
+    robot.poses(q, poses);
+    for (std::size_t p = 0; p < contacts.size(); ++p) {
+      const auto& [a, b] = model.pairs()[p];
+      // A contact at 0 decides.
+      if (touching(a, b)) contacts[p] += k == 0 ? samples : 1;
+    }
+  }
+  SphereModel::Pairs links;
+  for (std::size_t p = 0; p < contacts.size(); ++p) {
+    if (contacts[p] < share * samples) continue;
+    for (const std::size_t a : robot.bodies()[model.pairs()[p].first].links) {
+      for (const std::size_t b : robot.bodies()[model.pairs()[p].second].links) {
+        links.emplace_back(std::min(a, b), std::max(a, b));
+      }
+    }
+  }
+  std::sort(links.begin(), links.end());
+  return links;
+}
+
 double ManipulatorScene::magnitude() const {
-  const double far = norm(base.position) + robot.bounding_radius();
+  const double far = norm(robot.base().position) + robot.bounding_radius();
   return std::max(SpatialScene(world, Robot3::point()).magnitude(), far);
 }
 
@@ -203,34 +333,16 @@ std::optional<ThinnestObstacle> ManipulatorScene::thinnest_obstacle() const {
 }
 
 Space ManipulatorScene::default_space(double weight) const {
-  std::vector<Axis> axes;
-  for (const std::size_t j : robot.robot().moving()) {
-    const Joint& joint = robot.robot().tree().joints()[j];
-    switch (joint.kind) {
-      case Joint::Kind::prismatic: axes.push_back({joint.name, joint.lo, joint.hi, 1.0, false}); break;
-      case Joint::Kind::continuous:
-        axes.push_back({joint.name, -std::numbers::pi, std::numbers::pi, weight, true});
-        break;
-      case Joint::Kind::planar: {
-        const auto& [lo, hi] = world.bounds();
-        axes.push_back({joint.name + ".x", lo.x, hi.x, 1.0, false});
-        axes.push_back({joint.name + ".y", lo.y, hi.y, 1.0, false});
-        axes.push_back({joint.name + ".theta", -std::numbers::pi, std::numbers::pi, weight, true});
-        break;
-      }
-      default: axes.push_back({joint.name, joint.lo, joint.hi, weight, false}); break;
-    }
-  }
-  return {fmt::format("joints of {}", robot_name()), std::move(axes)};
+  return {fmt::format("joints of {}", robot_name()), joint_axes(robot.robot(), world.bounds(), weight)};
 }
 
 std::shared_ptr<const Scene> ManipulatorScene::shrunken(double scale) const {
-  return std::make_shared<ManipulatorScene>(world, robot.thinned(scale), base);
+  return std::make_shared<ManipulatorScene>(world, robot.thinned(scale));
 }
 
 std::shared_ptr<const Scene> ManipulatorScene::with_obstacles(const std::vector<std::size_t>& kept) const {
   const auto with = SpatialScene(world, Robot3::point()).with_obstacles(kept);
-  return std::make_shared<ManipulatorScene>(trellis::spatial(*with).world, robot, base);
+  return std::make_shared<ManipulatorScene>(trellis::spatial(*with).world, robot);
 }
 
 std::shared_ptr<const Scene> ManipulatorScene::of_point() const {
@@ -245,17 +357,17 @@ std::shared_ptr<const Scene> ManipulatorScene::reduced(const std::vector<std::si
   auto part = robot.reduced(own);
   // The part has the coordinates of whole joints alone.
   if (!part || part->robot().dimension() != own.size()) return nullptr;
-  return std::make_shared<ManipulatorScene>(world, std::move(*part), base);
+  return std::make_shared<ManipulatorScene>(world, std::move(*part));
 }
 
 std::shared_ptr<const Scene> ManipulatorScene::eroded(double distance) const {
   const auto smaller = SpatialScene(world, Robot3::point()).eroded(distance);
-  return std::make_shared<ManipulatorScene>(trellis::spatial(*smaller).world, robot, base);
+  return std::make_shared<ManipulatorScene>(trellis::spatial(*smaller).world, robot);
 }
 
 std::shared_ptr<const Scene> ManipulatorScene::aggregated(double error) const {
   const auto merged = SpatialScene(world, Robot3::point()).aggregated(error);
-  return std::make_shared<ManipulatorScene>(trellis::spatial(*merged).world, robot, base);
+  return std::make_shared<ManipulatorScene>(trellis::spatial(*merged).world, robot);
 }
 
 }  // namespace trellis

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A robot from its URDF and SRDF files.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <trellis/base/errors.hpp>
+#include <trellis/reader/robot_files.hpp>
+
+namespace trellis {
+
+namespace {
+
+template <class Part>
+std::vector<std::string> names_of(const std::vector<Part>& parts) {
+  std::vector<std::string> names;
+  names.reserve(parts.size());
+  for (const Part& part : parts) names.push_back(part.name);
+  return names;
+}
+
+std::size_t joint_named(const KinematicTree& tree, const std::string& name) {
+  if (const auto found = tree.find_joint(name)) return *found;
+  throw Error(
+      fmt::format("robot '{}' has no joint '{}'{}", tree.name(), name, did_you_mean(name, names_of(tree.joints()))));
+}
+
+std::vector<std::size_t> moving_joints(const ManipulatorFiles& files, const KinematicTree& tree,
+                                       const std::optional<SrdfFile>& srdf) {
+  std::vector<std::size_t> moving;
+  if (!files.group.empty()) {
+    if (!srdf) {
+      throw Error(
+          fmt::format("group '{}': groups are defined in a SRDF file; name it as srdf = \"{}.srdf\", or list "
+                      "the joints that move",
+                      files.group, tree.name()));
+    }
+    const auto group = std::find_if(srdf->groups.begin(), srdf->groups.end(),
+                                    [&](const SrdfFile::Group& one) { return one.name == files.group; });
+    if (group == srdf->groups.end()) {
+      const auto known = names_of(srdf->groups);
+      throw Error(fmt::format("{}: there is no group '{}'{}; there are: {}", files.srdf, files.group,
+                              did_you_mean(files.group, known), fmt::join(known, ", ")));
+    }
+    moving = group->joints;
+    if (moving.empty()) throw Error(fmt::format("{}: group '{}' has no joint that moves", files.srdf, files.group));
+  } else if (!files.joints.empty()) {
+    ErrorList errors;
+    for (const std::string& name : files.joints) errors.attempt([&] { moving.push_back(joint_named(tree, name)); });
+    errors.raise();
+  } else {
+    for (std::size_t j = 0; j < tree.joints().size(); ++j) {
+      if (tree.joints()[j].width() > 0) moving.push_back(j);
+    }
+  }
+  if (files.mobile) moving.push_back(joint_named(tree, "base"));
+  std::sort(moving.begin(), moving.end());
+  moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
+  if (moving.empty()) throw Error(fmt::format("robot '{}' has no joint that moves", tree.name()));
+  return moving;
+}
+
+std::vector<std::vector<double>> values_of(const ManipulatorFiles& files, const KinematicTree& tree,
+                                           const std::vector<std::size_t>& moving) {
+  std::vector<std::vector<double>> values(tree.joints().size());
+  ErrorList errors;
+  for (const auto& [name, value] : files.values) {
+    errors.attempt([&, &name = name, &value = value] {
+      const std::size_t j = joint_named(tree, name);
+      const Joint& joint = tree.joints()[j];
+      if (std::binary_search(moving.begin(), moving.end(), j)) {
+        throw Error(fmt::format("joint '{}' moves: it has no fixed value", name));
+      }
+      if (joint.width() != 1) throw Error(fmt::format("joint '{}' has no value of its own", name));
+      const bool limited = joint.kind != Joint::Kind::continuous;
+      if (limited && !(value >= joint.lo && value <= joint.hi)) {
+        throw Error(
+            fmt::format("joint '{}': {:g} is outside of its limits [{:g}, {:g}]", name, value, joint.lo, joint.hi));
+      }
+      values[j] = {value};
+    });
+  }
+  errors.raise();
+  return values;
+}
+
+/// The states that place each moving joint.
+std::vector<SphereModel::State> states_of(const SrdfFile& srdf, const Manipulator& robot) {
+  std::vector<SphereModel::State> states;
+  for (const SrdfFile::State& state : srdf.states) {
+    SphereModel::State named{state.name, {}};
+    bool whole = true;
+    for (const std::size_t j : robot.moving()) {
+      const Joint& joint = robot.tree().joints()[j];
+      if (joint.kind == Joint::Kind::planar) {
+        named.q.insert(named.q.end(), joint.width(), 0.0);
+        continue;
+      }
+      const auto found =
+          std::find_if(state.values.begin(), state.values.end(), [&](const auto& value) { return value.first == j; });
+      whole = whole && found != state.values.end();
+      if (whole) named.q.insert(named.q.end(), found->second.begin(), found->second.end());
+    }
+    if (whole) states.push_back(std::move(named));
+  }
+  return states;
+}
+
+SphereModel::Pairs all_pairs(std::size_t links) {
+  SphereModel::Pairs pairs;
+  for (std::size_t a = 0; a < links; ++a) {
+    for (std::size_t b = a + 1; b < links; ++b) pairs.emplace_back(a, b);
+  }
+  return pairs;
+}
+
+}  // namespace
+
+SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings) {
+  UrdfFile urdf = read_urdf(files.urdf);
+  warnings.insert(warnings.end(), urdf.warnings.begin(), urdf.warnings.end());
+  const KinematicTree tree = files.mobile ? urdf.tree.on_ground() : urdf.tree;
+  std::optional<SrdfFile> srdf;
+  if (!files.srdf.empty()) {
+    srdf = read_srdf(files.srdf, tree);
+    warnings.insert(warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
+  }
+  const std::vector<std::size_t> moving = moving_joints(files, tree, srdf);
+  const Manipulator robot(tree, moving, values_of(files, tree, moving));
+  SphereModel::Pairs may_touch;
+  if (!files.self_collision) {
+    may_touch = all_pairs(tree.links().size());
+  } else {
+    may_touch = srdf ? srdf->disabled : likely_contacts(robot);
+  }
+  SphereModel model(robot, std::move(may_touch));
+  return srdf ? model.with_states(states_of(*srdf, robot)) : model;
+}
+
+}  // namespace trellis

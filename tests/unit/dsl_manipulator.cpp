@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Robots of URDF files, and problems of MoveIt, in the language.
+#include <string>
+#include <vector>
+
+#include <dsl/language/tools/session.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/folder.hpp"
+#include "support/manipulators.hpp"
+#include "support/scenes.hpp"
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string arm = "robot.urdf('six.urdf', { srdf = 'six.srdf', group = 'arm' })";
+const std::string head = "local arm = " + arm +
+                         " local w = world { bounds = {-2, -2, -2, 2, 2, 2}, contain = 'none', "
+                         "sphere {0.5, 0.6, 0.7, 0.15, name = 'lamp'} } ";
+
+/// A folder with the robot's files.
+class RobotFolder {
+ public:
+  RobotFolder() {
+    static_cast<void>(folder_.write("six.urdf", test::six_joints));
+    static_cast<void>(folder_.write("six.srdf", test::six_joints_srdf));
+  }
+  [[nodiscard]] std::vector<std::string> values(const std::string& script) const {
+    return dsl::Session(folder_.path().string()).evaluate(script, "test.lua");
+  }
+  [[nodiscard]] std::string failure(const std::string& script) const {
+    try {
+      static_cast<void>(values(script));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  [[nodiscard]] const test::Folder& folder() const { return folder_; }
+
+ private:
+  test::Folder folder_;
+};
+
+}  // namespace
+
+TEST_CASE("a robot of a URDF file has joints, links, named states and the poses of its links") {
+  const RobotFolder files;
+  CHECK(files.values("return " + arm).front() == "robot 'six' with 6 coordinates");
+  CHECK(files.values("return table.concat((" + arm + ").joints, ' ')").front() ==
+        "\"turn lift elbow roll wrist flange\"");
+  CHECK(files.values("local a = " + arm + " return a.states.ready[3], #a.links, a.name") ==
+        std::vector<std::string>{"0.5", "8", "\"six\""});
+  CHECK(files.values("local a = " + arm + " return a:pose({0, 0, 0, 0, 0, 0}, 'tool').position[1]").front() == "0.9");
+  CHECK(files.values("return robot.urdf('six.urdf', { group = {'elbow', 'roll'}, values = { lift = 0.3 } })").front() ==
+        "robot 'six' with 2 coordinates");
+  CHECK(files.values("return #robot.urdf('six.urdf').joints, #robot.urdf('six.urdf', { base = 'planar' }).joints") ==
+        std::vector<std::string>{"6", "9"});
+  CHECK(files.values("local a = robot.urdf('six.urdf', { base = pose {1, 2, 3} }) return a.base.position[3]").front() ==
+        "3");
+  CHECK(files
+            .values("local a = (" + arm +
+                    "):attach(box {-0.1, -0.1, -0.1, 0.1, 0.1, 0.1, name = 'tray'}, { link = 'hand', touch = {'l5'} "
+                    "}) return a.links[#a.links]")
+            .front() == "\"tray\"");
+}
+
+TEST_CASE("a problem of a robot of links takes names for its ends, and weights a radian as a metre") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const auto problems = session.problems(
+      head + "return problem { world = w, robot = arm, start = 'ready', goal = {'aside', arm.states.ready} }", "t.lua");
+  const Problem& p = problems.front();
+  CHECK(p.space.name() == "joints of six");
+  CHECK(p.space.axes()[0].periodic);
+  CHECK(p.space.axes()[2].weight == 1.0);
+  CHECK(p.collision == "spheres");
+  CHECK(p.start[2] == 0.5);
+  REQUIRE(p.goals.size() == 2);
+  CHECK(p.goals[0][0] == 2.0);
+  const dsl::Program program = session.load(
+      head +
+          "return workspace { point = 'tool' } >> shrink(0.5) >> rrt_connect {}, problem { world = w, robot = arm, "
+          "start = 'ready', goal = 'aside' }",
+      "t.lua");
+  CHECK(execute(program.experiment.strategies.front().second, program.experiment.problems.front(), 1).solved);
+}
+
+TEST_CASE("a guide in Lua sees the robot of links") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const dsl::Program program = session.load(
+      head +
+          "local thin = guiding_space { robot = function(i) return i.robot:attach(sphere {0, 0, 0, 0.05, name = "
+          "'ball'}, "
+          "{ link = 'tool' }) end } return thin >> rrt_connect {}, problem { world = w, robot = arm, start = "
+          "'ready', goal = 'aside' }",
+      "t.lua");
+  CHECK(execute(program.experiment.strategies.front().second, program.experiment.problems.front(), 1).solved);
+}
+
+TEST_CASE("mistakes about robots of URDF files are answered with the nearest name") {
+  const RobotFolder files;
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { srdf = 'six.srdf', group = 'amr' })"),
+             Contains("there is no group 'amr' (did you mean 'arm'?); there are: arm, wrist"));
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { group = 'arm' })"), Contains("groups are defined in a SRDF file"));
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { group = {'elbw'} })"),
+             Contains("has no joint 'elbw' (did you mean 'elbow'?)"));
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { values = { elbow = 9 } , group = {'turn'} })"),
+             Contains("joint 'elbow': 9 is outside of its limits [-2, 2]"));
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { values = { turn = 0 } , group = {'turn'} })"),
+             Contains("joint 'turn' moves: it has no fixed value"));
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { srfd = 'six.srdf' })"),
+             Contains("unknown option 'srfd' (did you mean 'srdf'?)"));
+  CHECK_THAT(files.failure("robot.urdf('seven.urdf')"), Contains("seven.urdf"));
+  CHECK_THAT(files.failure(head + "problem { world = w, robot = arm, start = 'redy', goal = 'aside' }"),
+             Contains("robot 'six' has no configuration 'redy' (did you mean 'ready'?); there are: ready, aside"));
+  CHECK_THAT(files.failure(head + "problem { world = w, robot = arm, start = {0, 0}, goal = 'aside' }"),
+             Contains("must have 6 coordinates (turn, lift, elbow, roll, wrist, flange), got 2"));
+  CHECK_THAT(files.failure(head + "problem { world = world { bounds = {0, 0, 1, 1} }, robot = arm, start = 'ready', "
+                                  "goal = 'aside' }"),
+             Contains("the world is planar and the robot is of space"));
+  CHECK_THAT(files.failure(head + "arm:attach(disc {0, 0, 1}, { link = 'hand' })"), Contains("a shape of space"));
+  CHECK_THAT(files.failure(head + "arm:attach(sphere {0, 0, 0, 1}, { link = 'had' })"),
+             Contains("got \"had\" (did you mean 'hand'?)"));
+  // A start in collision names the obstacle and the link.
+  const std::string blocked =
+      "local a = " + arm +
+      " local p = a:pose(a.states.ready, 'hand').position "
+      "return rrt_connect {}, problem { world = world { bounds = {-2, -2, -2, 2, 2, 2}, contain = 'none', "
+      "sphere {p[1], p[2], p[3], 0.1, name = 'lamp'} }, robot = a, start = 'ready', goal = 'aside' }";
+  CHECK_THAT(files.failure(blocked), Contains("lamp") && Contains("start"));
+}
+
+TEST_CASE("a planning scene of MoveIt is a problem of a robot of links") {
+  const std::string folder = test::scene("vamp_mbm").string();
+  if (folder.empty()) return;
+  dsl::Session session(folder);
+  const auto problems = session.problems(
+      "local panda = robot.urdf('robots/panda/panda_spherized.urdf', { srdf = 'robots/panda/panda.srdf', group = "
+      "'panda_arm' }) return scenes.load('panda_samples/bookshelf_small_scene0001.yaml', { robot = panda, resolution "
+      "= 0.02 })",
+      "t.lua");
+  REQUIRE(problems.size() == 1);
+  CHECK(problems.front().space.dimension() == 7);
+  CHECK(problems.front().resolution == 0.02);
+  CHECK(problems.front().scene->obstacle_count() > 3);
+  const auto refused = [&](const std::string& options) {
+    try {
+      static_cast<void>(session.problems(
+          "return scenes.load('panda_samples/bookshelf_small_scene0001.yaml'" + options + ")", "t.lua"));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(refused(""), Contains("names its robot and does not contain it: give robot = robot.urdf("));
+  CHECK_THAT(refused(", { robot = robot.disc(1) }"), Contains("a robot of a URDF file moves"));
+}
