@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/handles.hpp>
@@ -222,10 +223,21 @@ class Workspace final : public PositionGuide {
 
   /// Multiplies the costs of the edges whose middles are near one of some places.
   void multiply_near(const NearestIndex& places, double within, double penalty) {
-    Configuration middle(projection()->space().dimension());
+    const Space& space = projection()->space();
+    // The middle of an edge is at most half a diagonal of a cell from its end, so most edges need no look.
+    double longest = 0.0;
+    for (const Axis& axis : space.axes()) longest = std::max(longest, axis.weight);
+    longest *= cell_ * std::sqrt(static_cast<double>(space.dimension()));
+    const double reach = within + longest;
+    std::vector<char> close(graph()->vertices.size());
+    for (std::size_t v = 0; v < close.size(); ++v) {
+      close[v] = places.nearest(std::as_const(graph()->vertices)[v]).squared_distance <= reach * reach ? 1 : 0;
+    }
+    Configuration middle(space.dimension());
     for (std::size_t e = 0; e < graph()->edges.size(); ++e) {
       const auto& edge = graph()->edges[e];
-      projection()->space().interpolate(graph()->vertices[edge.from], graph()->vertices[edge.to], 0.5, middle);
+      if (close[edge.from] == 0) continue;
+      space.interpolate(graph()->vertices[edge.from], graph()->vertices[edge.to], 0.5, middle);
       if (places.nearest(middle).squared_distance <= within * within) graph()->multiply_cost(e, penalty);
     }
   }

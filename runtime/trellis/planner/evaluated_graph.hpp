@@ -48,7 +48,7 @@ class EvaluatedGraph {
   };
   /// The edges of a vertex, in their order.
   [[nodiscard]] std::span<const Incident> incident(std::uint32_t vertex) const {
-    context_.instance.checks.other += search_cost::edge * static_cast<double>(first_[vertex + 1] - first_[vertex]);
+    context_.instance.count_search(search_cost::edge * static_cast<double>(first_[vertex + 1] - first_[vertex]));
     return std::span(incident_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }
 
@@ -65,10 +65,10 @@ class EvaluatedGraph {
   /// uses the edge.
   void record(std::uint32_t edge);
 
-  /// Counts the work of the beginning of a search: costs and labels of all edges and vertices.
+  /// Counts the work of the beginning of a search: labels of all edges and vertices.
   void count_search() {
     const auto size = static_cast<double>(graph_->edges.size() + graph_->vertices.size());
-    context_.instance.checks.other += search_cost::edge * size;
+    context_.instance.count_search(search_cost::label * size);
   }
 
   /// Begins to draw `samples` proposals.
