@@ -1,12 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/guide/position_guide.hpp>
 
+#include <cmath>
+
 #include <trellis/instance/characteristic_length.hpp>
 
 namespace trellis {
 
+namespace {
+
+double ball_radius(const Instance& parent) {
+  // The lift of a point of a manipulator is one configuration of many: wide balls reach others.
+  const double share = parent.scene->manipulator() != nullptr ? 0.75 : 0.5;
+  return share * characteristic_length(parent);
+}
+
+}  // namespace
+
 std::unique_ptr<Instance> PositionGuide::point_instance(const Instance& parent) {
   projection_ = std::make_shared<PositionProjection>(name_, parent, link_);
+  patience_ = evidence_;
+  if (parent.scene->manipulator() != nullptr) {
+    // Where two coordinates and an angle show by so many proposals that a place is blocked, more joints take more.
+    constexpr double usual = 3.0;
+    patience_ = std::llround(static_cast<double>(evidence_) * static_cast<double>(parent.space.degrees()) / usual);
+  }
   return projection_->point_instance(parent);
 }
 
@@ -56,16 +74,17 @@ std::unique_ptr<Heuristic> PositionGuide::along(Instance& parent, const Configur
   // A point that had no valid lift towards another goal may have one towards this goal.
   if (goal_choice_.replaced()) sparse_.emplace(projection_->space(), spacing_, projection_->arm());
   SparsePath sparse = sparse_->validate(parent, path_, goal, lift, free);
-  const StepHeuristic::Settings steps = {
-      .radius = radius_option_ > 0.0 ? radius_option_ : 0.5 * characteristic_length(parent),
-      .step = step_length(parent),
-      .evidence = evidence_};
+  const StepHeuristic::Settings steps = {.radius = radius_option_ > 0.0 ? radius_option_ : ball_radius(parent),
+                                         .step = step_length(parent),
+                                         .evidence = patience_};
   std::vector<char> known = known_edges(parent, sparse.waypoints);
   auto h = std::make_unique<StepHeuristic>(name_, parent.space, std::move(sparse.waypoints), steps, nodes_.both(),
                                            std::move(known));
   steps_ = h.get();
   follower_ = h.get();
-  if (sparse.refuted && !path_is_excluded()) {
+  // The lift of a tip fails where other configurations would not: both ends of the path still lead out of where start
+  // and goal are, and the planner looks for what is between them.
+  if (sparse.refuted && !projection_->arm() && !path_is_excluded()) {
     refuted_ = std::move(sparse.refuted);
     h->refute();
   }
@@ -117,7 +136,7 @@ Configurations PositionGuide::refuted_places() const {
 void PositionGuide::found_invalid(View q) {
   if (steps_ == nullptr || refuted_ || path_is_excluded()) return;
   found_invalid_->add(q);
-  if (static_cast<std::int64_t>(found_invalid_->count(q)) < evidence_) return;
+  if (static_cast<std::int64_t>(found_invalid_->count(q)) < patience_) return;
   refuted_.emplace(projection_->space().dimension());
   projection_->project(q, *refuted_);
   steps_->refute();

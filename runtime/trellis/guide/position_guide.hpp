@@ -93,7 +93,8 @@ class PositionGuide : public Guide, public Repairs {
   void add_excluded(View s);
 
   std::string name_;
-  std::int64_t evidence_;
+  std::int64_t evidence_;      ///< as the option says
+  std::int64_t patience_ = 0;  ///< the same for the robot
   double radius_option_;
   std::vector<std::string> link_;
   std::shared_ptr<const PositionProjection> projection_;

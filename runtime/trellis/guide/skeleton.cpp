@@ -74,12 +74,13 @@ const Settings<SkeletonSettings>& skeleton_settings() {
               "distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the "
               "robot's bounding radius where that is more (2 % of the space's diameter for a point); 2 % of the "
               "diameter of S for an arm that is fixed to its base")
-          .number("radius", &SkeletonSettings::radius, "m in the metric", Range::non_negative(),
-                  "radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding "
-                  "radius, or of the space's diameter 1 % for a point and 5 % for an arm that is fixed to its base")
+          .number(
+              "radius", &SkeletonSettings::radius, "m in the metric", Range::non_negative(),
+              "radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding "
+              "radius, or of the space's diameter 1 % for a point, 5 % for an arm and 7.5 % for a robot of a URDF file")
           .integer("evidence", &SkeletonSettings::evidence, "proposals", Range::at_least(1),
                    "guided proposals at one place of the path that C found blocked, after which the path is refuted "
-                   "there and the graph searched again")
+                   "there and the graph searched again; of a robot of a URDF file so many for each three joints")
           .number("region", &SkeletonSettings::region, "bounding radii", Range::positive(),
                   "radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of "
                   "the world's diagonal")

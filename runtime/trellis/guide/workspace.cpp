@@ -58,9 +58,9 @@ const Settings<WorkspaceSettings>& workspace_settings() {
                   "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or "
                   "1 % "
                   "of the space's diameter for a point; with `lift = \"path\"` or \"handles\", of the balls in C that "
-                  "proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point "
-                  "and 5 "
-                  "% for an arm")
+                  "proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point, "
+                  "5 % for "
+                  "an arm and 7.5 % for a robot of a URDF file")
               .choice(
                   "lift", &WorkspaceSettings::lift,
                   {{"auto", Lift::automatic},
@@ -86,9 +86,10 @@ const Settings<WorkspaceSettings>& workspace_settings() {
                   "window", &WorkspaceSettings::window, "m in the metric", Range::non_negative(),
                   "how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or "
                   "two bounding radii where it has none")
-              .integer(
-                  "evidence", &WorkspaceSettings::evidence, "proposals", Range::at_least(1),
-                  "guided proposals at one place of the path that C found blocked, after which the path is refuted")
+              .integer("evidence", &WorkspaceSettings::evidence, "proposals", Range::at_least(1),
+                       "guided proposals at one place of the path that C found blocked, after which the path is "
+                       "refuted; of a "
+                       "robot of a URDF file so many for each three joints")
               .integer("resolves", &WorkspaceSettings::resolves, "re-solves", Range::non_negative(),
                        "how often its space may be solved again"))
           .positional({"cell"});
