@@ -18,7 +18,7 @@ stds.trellis = {
     "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {
-        "point", "disc", "rectangle", "polygon", "rigid", "arm",
+        "point", "disc", "rectangle", "polygon", "rigid", "arm", "urdf",
       },
     },
     motion = {

@@ -14,7 +14,7 @@ namespace trellis::command {
 
 namespace {
 
-/// Returns the first processor's name; "" where Linux does not tell.
+/// Returns the first processor's name; "" where Linux does not say.
 std::string processor() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- Fetch's arm with its torso, eight joints, as balls, on MotionBenchMaker's problems: which guides pay?
 --
 --   tar xjf $TRELLIS_SCENES/vamp_mbm/fetch_problems_odd.tar.bz2 -C examples/real

@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- The problems of MotionBenchMaker for a robot: planning scenes of MoveIt with their requests, in folders such as
 -- problems/box_fetch. Used by panda.lua, fetch.lua and baxter.lua.
 --

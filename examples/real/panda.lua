@@ -1,4 +1,4 @@
--- SPDX-License-Identifier: GPL-3.0-or-later
+-- SPDX-License-Identifier: MIT-0
 -- A Panda arm with seven joints, as balls, on MotionBenchMaker's problems.
 --
 --   trellis run examples/real/panda.lua                      one problem of each scenario

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include <trellis/guide/arm_projection.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/path_steps.hpp>
 #include <trellis/guide/pieces.hpp>

@@ -25,8 +25,8 @@ struct ThinnestObstacle {
 };
 
 /// The world and the robot of a problem. Immutable, shared between runs and threads. PlanarScene, SpatialScene
-/// and ManipulatorScene implement it. Planners, guides and the measure use what it declares; code for one kind of geometry asks for the
-/// scene as that kind (`planar`, `spatial`, `manipulator`).
+/// and ManipulatorScene implement it. Planners, guides and the measure use what it declares; code for one kind asks for
+/// the scene as that kind (`planar`, `spatial`, `manipulator`).
 class Scene {
  public:
   virtual ~Scene() = default;
