@@ -134,7 +134,18 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
   if (!files.self_collision) {
     may_touch = all_pairs(tree.links().size());
   } else {
-    may_touch = srdf ? srdf->disabled : likely_contacts(robot);
+    if (srdf) may_touch = srdf->disabled;
+    const SphereModel::Pairs touching = likely_contacts(robot, may_touch, !srdf);
+    for (const auto& [a, b] : touching) {
+      if (!srdf) break;
+      warnings.push_back(
+          fmt::format("{}: '{}' and '{}' touch in nearly every configuration, and the file does not "
+                      "disable their check: they may",
+                      files.srdf, robot.bodies()[a].name, robot.bodies()[b].name));
+    }
+    const SphereModel::Pairs links = links_of(robot, touching);
+    may_touch.insert(may_touch.end(), links.begin(), links.end());
+    std::sort(may_touch.begin(), may_touch.end());
   }
   SphereModel model(robot, std::move(may_touch));
   return srdf ? model.with_states(states_of(*srdf, robot)) : model;

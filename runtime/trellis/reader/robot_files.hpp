@@ -58,9 +58,10 @@ struct ManipulatorFiles {
 };
 
 /// Reads a robot from its URDF file, and from its SRDF file if there is one. Its named states are those of the SRDF
-/// file that give a value for each joint that moves, and those of the base are 0. Without a SRDF file the pairs of
-/// links that may touch are guessed by `likely_contacts`. \param warnings  receives those of the files \throws Error
-/// with file and line; or with the nearest name where a group or a joint does not exist
+/// file that give a value for each joint that moves, and those of the base are 0. Bodies that touch in nearly every
+/// configuration may touch, with a SRDF file by a warning; without one those that touch at 0 too.
+/// \param warnings  receives those of the files
+/// \throws Error with file and line; or with the nearest name where a group or a joint does not exist
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings);
 
 /// A planning problem of MoveIt, as MotionBenchMaker writes it: a scene and a request.
@@ -73,8 +74,7 @@ struct MoveitFile {
 };
 
 /// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene"; without a request there
-/// are no start and goal. The bounds of the world
-/// contain the robot's reach and all objects; they limit nothing.
+/// are no start and goal. The bounds of the world contain the robot's reach and all objects; they limit nothing.
 /// \throws Error with file and line
 MoveitFile read_moveit(const std::string& path, const SphereModel& robot);
 

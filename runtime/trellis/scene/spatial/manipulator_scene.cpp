@@ -264,10 +264,10 @@ std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, doubl
   return axes;
 }
 
-SphereModel::Pairs likely_contacts(const Manipulator& robot) {
+SphereModel::Pairs likely_contacts(const Manipulator& robot, const SphereModel::Pairs& may_touch, bool at_zero) {
   constexpr int samples = 1000;
   constexpr double share = 0.95;
-  const SphereModel model(robot);
+  const SphereModel model(robot, may_touch);
   std::vector<int> contacts(model.pairs().size(), 0);
   std::vector<Pose3> poses;
   const auto touching = [&](std::size_t a, std::size_t b) {
@@ -304,17 +304,21 @@ SphereModel::Pairs likely_contacts(const Manipulator& robot) {
     robot.poses(q, poses);
     for (std::size_t p = 0; p < contacts.size(); ++p) {
       const auto& [a, b] = model.pairs()[p];
-      // A contact at 0 decides.
-      if (touching(a, b)) contacts[p] += k == 0 ? samples : 1;
+      if (touching(a, b)) contacts[p] += k > 0 ? 1 : at_zero ? samples : 0;
     }
   }
-  SphereModel::Pairs links;
+  SphereModel::Pairs bodies;
   for (std::size_t p = 0; p < contacts.size(); ++p) {
-    if (contacts[p] < share * samples) continue;
-    for (const std::size_t a : robot.bodies()[model.pairs()[p].first].links) {
-      for (const std::size_t b : robot.bodies()[model.pairs()[p].second].links) {
-        links.emplace_back(std::min(a, b), std::max(a, b));
-      }
+    if (contacts[p] >= share * samples) bodies.push_back(model.pairs()[p]);
+  }
+  return bodies;
+}
+
+SphereModel::Pairs links_of(const Manipulator& robot, const SphereModel::Pairs& bodies) {
+  SphereModel::Pairs links;
+  for (const auto& [first, second] : bodies) {
+    for (const std::size_t a : robot.bodies()[first].links) {
+      for (const std::size_t b : robot.bodies()[second].links) links.emplace_back(std::min(a, b), std::max(a, b));
     }
   }
   std::sort(links.begin(), links.end());

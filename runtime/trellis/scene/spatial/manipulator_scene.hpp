@@ -101,9 +101,14 @@ SphereModel::Pairs self_collision_pairs(const Manipulator& robot, const SphereMo
 /// \param weight  metres of the metric per radian
 std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight);
 
-/// Returns pairs of links that may touch, where no file says which: those whose bodies touch at the configuration 0, or
-/// in at least 95 % of 1000 configurations that are drawn uniformly, the same ones each time.
-SphereModel::Pairs likely_contacts(const Manipulator& robot);
+/// Returns pairs of bodies that touch in at least 95 % of 1000 configurations that are drawn uniformly, the same ones
+/// each time: no configuration would be valid.
+/// \param may_touch  pairs of links that are not examined, the lesser one first, ascending
+/// \param at_zero    pairs that touch at the configuration 0 count too
+SphereModel::Pairs likely_contacts(const Manipulator& robot, const SphereModel::Pairs& may_touch, bool at_zero);
+
+/// Returns all pairs of the links of two bodies, for pairs of bodies; ascending.
+SphereModel::Pairs links_of(const Manipulator& robot, const SphereModel::Pairs& bodies);
 
 /// A world of space and a manipulator in it.
 class ManipulatorScene final : public Scene {
