@@ -16,7 +16,7 @@ bench.scenarios = {
 function bench.problems(robot, suffix, scenarios, number)
   local all = {}
   for _, scenario in ipairs(scenarios) do
-    for i = 1, 100 do
+    for i = 1, 1000 do
       local file = string.format("problems/%s_%s/scene%04d.yaml", scenario, suffix, i)
       if (number == nil or number(i)) and scenes.exists(file) then
         local problem = scenes.load(file, { robot = robot, name = string.format("%s/%04d", scenario, i) })[1]
