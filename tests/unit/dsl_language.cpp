@@ -274,7 +274,7 @@ TEST_CASE("help has every word and each of its options") {
 
 TEST_CASE("help on a name that is no word has its options, else the words near it") {
   const std::string step = dsl::help_text("step", 100000);
-  CHECK(step.starts_with("step is no word; it is an option or a field\n\nof rrt, rrt_connect"));
+  CHECK(step.starts_with("step is no word; it is an option or a field\n\nof rrt, "));
   CHECK(step.find("longest extension") != std::string::npos);
   CHECK(dsl::help_text("arm").find("\n  robot.arm ") != std::string::npos);
   CHECK(dsl::help_text("obstacle").find("\n  obstacle_based ") != std::string::npos);

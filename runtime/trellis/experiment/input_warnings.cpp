@@ -354,11 +354,13 @@ void find_uninformed(const GuideSpec& guide, const PlannerSpec& planner, const s
            warnings);
 }
 
-/// \param planner  that the guide's proposals are for
-void find_useless(const GuideSpec& guide, const PlannerSpec& planner, const Problem& problem,
-                  const std::string& strategy, std::vector<std::string>& warnings) {
+/// \param root  the planner at the root if the guide's proposals are for it, else nullptr: a search below continues
+/// after
+///     its first path
+void find_useless(const GuideSpec& guide, const PlannerSpec* root, const Problem& problem, const std::string& strategy,
+                  std::vector<std::string>& warnings) {
   if (guide.kind() != GuideSpec::Kind::component) {
-    for (const auto& term : guide.terms()) find_useless(term.guide, planner, problem, strategy, warnings);
+    for (const auto& term : guide.terms()) find_useless(term.guide, root, problem, strategy, warnings);
     return;
   }
   if (guide.name() == "shrink" && !guide.custom() && problem.scene->is_point()) {
@@ -373,11 +375,9 @@ void find_useless(const GuideSpec& guide, const PlannerSpec& planner, const Prob
     if (guide.name() == "experience" || guide.name() == "path_database") find_library(guide, problem, where, warnings);
     if (guide.name() == "learned") find_model(guide, where, warnings);
     if (guide.name() == "skeleton") find_reference_at_rim(guide, problem, where, warnings);
-    if (guide.name() == "informed") find_uninformed(guide, planner, where, warnings);
+    if (guide.name() == "informed" && root != nullptr) find_uninformed(guide, *root, where, warnings);
   }
-  if (guide.below() != nullptr && guide.planner()) {
-    find_useless(*guide.below(), *guide.planner(), problem, strategy, warnings);
-  }
+  if (guide.below() != nullptr) find_useless(*guide.below(), nullptr, problem, strategy, warnings);
 }
 
 /// Returns the planner's longest extension; none where it has no such option.
@@ -388,7 +388,7 @@ std::optional<double> step_of(const PlannerSpec& planner) {
   return step != nullptr ? std::optional(*step) : std::nullopt;
 }
 
-/// Warns of guided strategies whose planner has a step of its own: the comparison is then one of steps too.
+/// Warns of guided strategies with the baseline's planner and another step: the comparison is then one of steps too.
 void find_unequal_steps(const Experiment& experiment, std::vector<std::string>& warnings) {
   const std::string baseline = baseline_of(experiment);
   const auto& strategies = experiment.strategies;
@@ -399,7 +399,8 @@ void find_unequal_steps(const Experiment& experiment, std::vector<std::string>& 
   if (!usual) return;
   for (const auto& [name, strategy] : strategies) {
     const std::optional<double> step = step_of(strategy.planner());
-    if (strategy.guide() == nullptr || !step || *step == *usual) continue;
+    const bool same = strategy.planner().name() == of->second.planner().name();
+    if (strategy.guide() == nullptr || !same || !step || *step == *usual) continue;
     // Another strategy without guides may have this step.
     const bool fair = std::any_of(strategies.begin(), strategies.end(), [&](const auto& other) {
       return other.second.guide() == nullptr && step_of(other.second.planner()) == step;
@@ -466,9 +467,7 @@ std::vector<std::string> input_warnings(const Experiment& experiment) {
     }
     if (experiment.measure) find_unmeasurable(*experiment.measure, problem, warnings);
     for (const auto& [name, strategy] : experiment.strategies) {
-      if (strategy.guide() != nullptr) {
-        find_useless(*strategy.guide(), strategy.planner(), problem, name, warnings);
-      }
+      if (strategy.guide() != nullptr) find_useless(*strategy.guide(), &strategy.planner(), problem, name, warnings);
     }
   }
   find_unequal_steps(experiment, warnings);

@@ -12,7 +12,7 @@ namespace trellis {
 /// or joint limits more than four turns apart (degrees), a start and goal that no path of a point joins, a resolution
 /// coarser than an obstacle is thick, a mesh at least 30 times as large as its world (millimetres), a guide that does
 /// not change the problem's robot or its planner's proposals, a skeleton for a robot whose reference point is not
-/// inside it, and guided strategies with another step than the baseline's.
+/// inside it, and guided strategies with the baseline's planner and another step.
 std::vector<std::string> input_warnings(const Experiment& experiment);
 
 /// Returns a sentence about the largest mesh of a scene in space if it is at least 30 times as large as the world: then
