@@ -14,7 +14,7 @@ namespace trellis::command {
 
 namespace {
 
-/// Returns the first processor's name; "" where Linux does not say.
+/// Returns the first processor's name; "" where Linux does not name it.
 std::string processor() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {

@@ -13,7 +13,7 @@ std::string commit();
 /// Returns "0.2.0 (1a2b3c4d5e6f)", or the version alone where the commit is not known.
 std::string version_and_commit();
 
-/// Describes the machine: `system`, `processor`, `cores`, `compiler`. Fields that the system does not report are "".
+/// Describes the machine: `system`, `processor`, `cores`, `compiler`. Fields that are not known are "".
 std::map<std::string, std::string> machine();
 
 }  // namespace trellis::command
