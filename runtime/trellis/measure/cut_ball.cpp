@@ -5,7 +5,7 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 
-#include <trellis/measure/clones.hpp>
+#include <trellis/base/clones.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 
 namespace trellis::measure {

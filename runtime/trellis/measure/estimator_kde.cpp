@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include <trellis/base/clones.hpp>
 #include <trellis/base/polling.hpp>
-#include <trellis/measure/clones.hpp>
 #include <trellis/measure/evaluation.hpp>
 
 namespace trellis::measure {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <numeric>
 
+#include <trellis/base/clones.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/polling.hpp>
-#include <trellis/measure/clones.hpp>
 #include <trellis/measure/vantage_tree.hpp>
 
 namespace trellis::measure {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <type_traits>
 
+#include <trellis/base/clones.hpp>
 #include <trellis/planner/nearest_implementation.hpp>
 
 namespace trellis {
@@ -84,7 +85,7 @@ class Tree final : public NearestIndex::Implementation {
 
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const override {
     NearestIndex::Neighbour best{0, infinity};
-    visit(
+    search(
         q, [&] { return best.squared_distance; },
         [&](std::uint32_t id, double d2) {
           const NearestIndex::Neighbour candidate{id, d2};
@@ -94,20 +95,20 @@ class Tree final : public NearestIndex::Implementation {
   }
 
   void k_nearest(View q, std::size_t k, std::vector<NearestIndex::Neighbour>& out) const override {
-    out.clear();
+    NearestCollector collector(k, out);
     if (k == 0) return;
-    visit(
-        q, [&] { return out.size() < k ? infinity : out.front().squared_distance; },
+    search(
+        q, [&] { return collector.limit(); },
         [&](std::uint32_t id, double d2) {
-          offer_nearest(out, k, {id, d2});
+          collector.offer({id, d2});
         });
-    std::sort_heap(out.begin(), out.end(), nearer);
+    collector.finish();
   }
 
   void within(View q, double radius, std::vector<NearestIndex::Neighbour>& out) const override {
     out.clear();
     const double limit = radius * radius;
-    visit(
+    search(
         q, [&] { return limit; },
         [&](std::uint32_t id, double d2) {
           if (d2 <= limit) out.push_back({id, d2});
@@ -249,7 +250,7 @@ class Tree final : public NearestIndex::Implementation {
     return point[axis] < value ? left : right;
   }
 
-  [[nodiscard]] double box_distance(std::uint32_t at, const double* y) const {
+  [[nodiscard]] TRELLIS_ALONG double box_distance(std::uint32_t at, const double* y) const {
     const double* box = &boxes_[at * 2 * dim()];
     double sum = 0.0;
     for (std::size_t j = 0; j < dim(); ++j) {
@@ -267,7 +268,21 @@ class Tree final : public NearestIndex::Implementation {
 
   /// Calls `offer` for every point that may be within `limit()`, which decreases as points are found.
   template <class Limit, class Offer>
-  void visit(View q, const Limit& limit, const Offer& offer) const {
+  void search(View q, const Limit& limit, const Offer& offer) const {
+    // In few dimensions wider vectors gain nothing: the search ends after some buckets.
+    if constexpr (D == 0) {
+      visit_by_clones(q, limit, offer);
+    } else {
+      visit(q, limit, offer);
+    }
+  }
+  template <class Limit, class Offer>
+  TRELLIS_WIDE_CLONES void visit_by_clones(View q, const Limit& limit, const Offer& offer) const {
+    visit(q, limit, offer);
+  }
+
+  template <class Limit, class Offer>
+  TRELLIS_ALONG void visit(View q, const Limit& limit, const Offer& offer) const {
     if (size_ == 0) return;
     std::array<double, capacity> memory{};
     std::vector<double> large;
@@ -333,6 +348,12 @@ class Tree final : public NearestIndex::Implementation {
         }
       }
       const double most = limit();
+      if constexpr (D == 0) {
+        // In many dimensions most buckets that the search reaches have no such point.
+        std::int64_t near = 0;
+        for (std::size_t i = 0; i < bucket; ++i) near += squared[i] <= most ? 1 : 0;
+        if (near == 0) continue;
+      }
       for (std::size_t i = 0; i < count_[leaf]; ++i) {
         if (squared[i] <= most) offer(ids_[leaf * bucket + i], squared[i]);
       }

@@ -37,19 +37,55 @@ struct NearerNeighbour {
   }
 };
 
-/// Adds a candidate to the k nearest so far, a heap with the farthest of them first.
-inline void offer_nearest(std::vector<NearestIndex::Neighbour>& nearest, std::size_t k,
-                          const NearestIndex::Neighbour& candidate) {
-  constexpr NearerNeighbour nearer;
-  if (nearest.size() < k) {
-    nearest.push_back(candidate);
-    std::push_heap(nearest.begin(), nearest.end(), nearer);
-  } else if (nearer(candidate, nearest.front())) {
-    std::pop_heap(nearest.begin(), nearest.end(), nearer);
-    nearest.back() = candidate;
-    std::push_heap(nearest.begin(), nearest.end(), nearer);
+/// Collects the k nearest of the candidates that a search offers.
+class NearestCollector {
+ public:
+  NearestCollector(std::size_t k, std::vector<NearestIndex::Neighbour>& out) : k_(k), out_(out) { out.clear(); }
+
+  /// The squared distance beyond which no candidate is one of the k nearest.
+  [[nodiscard]] double limit() const { return limit_; }
+
+  void offer(const NearestIndex::Neighbour& candidate) {
+    constexpr NearerNeighbour nearer;
+    if (candidate.squared_distance > limit_) return;
+    if (k_ > few_) {
+      out_.push_back(candidate);
+      if (out_.size() == (limit_ < infinity ? k_ + k_ / 2 : k_ + 1)) select();
+    } else if (out_.size() < k_) {
+      // Few candidates are a heap with the farthest of them first.
+      out_.push_back(candidate);
+      std::push_heap(out_.begin(), out_.end(), nearer);
+      if (out_.size() == k_) limit_ = out_.front().squared_distance;
+    } else if (nearer(candidate, out_.front())) {
+      std::pop_heap(out_.begin(), out_.end(), nearer);
+      out_.back() = candidate;
+      std::push_heap(out_.begin(), out_.end(), nearer);
+      limit_ = out_.front().squared_distance;
+    }
   }
-}
+
+  /// Leaves the k nearest, nearest first.
+  void finish() {
+    if (out_.size() > k_) select();
+    std::sort(out_.begin(), out_.end(), NearerNeighbour());
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  static constexpr std::size_t few_ = 24;
+
+  /// Removes all but the k nearest.
+  void select() {
+    const auto last = out_.begin() + static_cast<std::ptrdiff_t>(k_ - 1);
+    std::nth_element(out_.begin(), last, out_.end(), NearerNeighbour());
+    limit_ = last->squared_distance;
+    out_.resize(k_);
+  }
+
+  std::size_t k_;
+  std::vector<NearestIndex::Neighbour>& out_;
+  double limit_ = infinity;
+};
 
 /// The index of a space with rotations.
 std::unique_ptr<NearestIndex::Implementation> make_rotation_index(const Space& space);

@@ -130,12 +130,12 @@ class RotationIndex final : public NearestIndex::Implementation {
   }
 
   void k_nearest(View q, std::size_t k, std::vector<NearestIndex::Neighbour>& out) const override {
-    out.clear();
+    NearestCollector collector(k, out);
     if (k == 0) return;
     visit(
-        q, [&] { return out.size() < k ? std::numeric_limits<double>::infinity() : out.front().squared_distance; },
-        [&](const NearestIndex::Neighbour& candidate) { offer_nearest(out, k, candidate); });
-    std::sort_heap(out.begin(), out.end(), nearer);
+        q, [&] { return collector.limit(); },
+        [&](const NearestIndex::Neighbour& candidate) { collector.offer(candidate); });
+    collector.finish();
   }
 
   void within(View q, double radius, std::vector<NearestIndex::Neighbour>& out) const override {
