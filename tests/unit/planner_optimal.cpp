@@ -131,7 +131,8 @@ TEST_CASE("the costs of RRT*'s tree are path lengths, and no neighbour gives a s
   const auto& space = problem.space;
   for (const std::uint64_t seed : {1, 2, 3}) {
     // All nodes are neighbours, so that the tree has to be the shortest paths of the whole graph of valid motions.
-    const Run out = run("rrt_star", problem, seed, 150, 1, {{"factor", 1000.0}, {"goal_bias", 0.0}});
+    const Run out =
+        run("rrt_star", problem, seed, 150, 1, {{"factor", 1000.0}, {"first_factor", 1000.0}, {"goal_bias", 0.0}});
     REQUIRE(out.solution.solved());
     const std::size_t n = out.search.nodes.size();
     const auto instance = make_instance(problem);

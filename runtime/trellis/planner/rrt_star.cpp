@@ -12,7 +12,15 @@ namespace trellis {
 namespace {
 
 struct RrtStarSettings : AnytimeSettings {
+  RrtStarSettings() { factor = 4.0; }
   double step = 0.5;
+  double first_factor = 1.1;
+
+  [[nodiscard]] Connection first_connection(const Space& space) const {
+    AnytimeSettings first = *this;
+    first.factor = first_factor;
+    return first.connection(space);
+  }
 };
 
 const Settings<RrtStarSettings>& rrt_star_settings() {
@@ -23,7 +31,10 @@ const Settings<RrtStarSettings>& rrt_star_settings() {
           "nodes when a shorter path is found; continues after its first path",
           "Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning")
           .number("step", &RrtStarSettings::step, "m in the metric", Range::at_least(1e-6),
-                  "longest extension of the tree, and longest motion tried to the goal from a new node"));
+                  "longest extension of the tree, and longest motion tried to the goal from a new node")
+          .number("first_factor", &RrtStarSettings::first_factor, "times", Range::positive(),
+                  "`factor` until a path is known: fewer neighbours find the first path sooner, and later nodes rewire "
+                  "the tree"));
   return settings;
 }
 
@@ -32,6 +43,7 @@ class RrtStar final : public StartTreePlanner {
   RrtStar(const RrtStarSettings& settings, PlannerContext context)
       : StartTreePlanner(std::move(context), settings.step),
         connection_(settings.connection(context_.instance.space)),
+        first_connection_(settings.first_connection(context_.instance.space)),
         best_path_(context_, settings.improve) {}
 
   std::optional<Status> begin(const Budget& budget) override {
@@ -106,34 +118,33 @@ class RrtStar final : public StartTreePlanner {
   /// path from the start; the node becomes the parent of neighbours whose paths it shortens.
   std::uint32_t insert(View q, std::uint32_t from) override {
     const auto& space = context_.instance.space;
-    connection_.find(tree_->index(), q, near_);
+    connection().find(tree_->index(), q, near_);
     candidates_.clear();
     for (const auto& n : near_) add_candidate(n.id, std::sqrt(n.squared_distance));
     // A goal is a candidate for every node within one step, however many nodes are nearer.
     for (const std::uint32_t goal : goals_) {
-      if (goal == no_node) continue;
+      if (goal == no_node || is_candidate(goal)) continue;
       const double distance = space.distance((*tree_)[goal], q);
       if (distance <= step_) add_candidate(goal, distance);
     }
     Candidate best{from, space.distance((*tree_)[from], q)};
     best.cost = costs_[from] + best.length;
-    sort_candidates();
-    std::size_t refused = 0;
-    for (; refused < candidates_.size() && candidates_[refused].cost < best.cost; ++refused) {
-      const Candidate& candidate = candidates_[refused];
-      if (!motion_valid((*tree_)[candidate.node], q)) continue;
-      best = candidate;
-      break;
-    }
+    // The candidates for the parent come first, ordered by cost; the others are only rewired.
+    const auto shorter = std::partition(candidates_.begin(), candidates_.end(),
+                                        [&](const Candidate& candidate) { return candidate.cost < best.cost; });
+    std::sort(candidates_.begin(), shorter, cheaper);
+    auto found = candidates_.begin();
+    while (found != shorter && !motion_valid((*tree_)[found->node], q)) ++found;
+    // The motions of the candidates before `found` are blocked.
+    if (found != shorter) best = *found;
     const std::uint32_t id = tree_->add(q, best.node);
     costs_.push_back(best.cost);
     lengths_.push_back(best.length);
     children_.emplace_back();
     children_[best.node].push_back(id);
     note(id);
-    // The motions of the candidates before `refused` are blocked.
-    for (std::size_t i = refused; i < candidates_.size(); ++i) {
-      const Candidate& candidate = candidates_[i];
+    for (; found != candidates_.end(); ++found) {
+      const Candidate& candidate = *found;
       if (best.cost + candidate.length >= costs_[candidate.node]) continue;
       if (!motion_valid((*tree_)[id], (*tree_)[candidate.node])) continue;
       rewire(candidate.node, id, candidate.length);
@@ -179,12 +190,12 @@ class RrtStar final : public StartTreePlanner {
   bool reconnect(std::uint32_t id) {
     const auto& space = context_.instance.space;
     const Configuration q((*tree_)[id].begin(), (*tree_)[id].end());
-    connection_.find(tree_->index(), q, near_);
+    connection().find(tree_->index(), q, near_);
     candidates_.clear();
     for (const auto& n : near_) {
       if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_candidate(n.id, std::sqrt(n.squared_distance));
     }
-    sort_candidates();
+    std::sort(candidates_.begin(), candidates_.end(), cheaper);
     const auto found = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
       return motion_valid((*tree_)[candidate.node], q);
     });
@@ -231,15 +242,16 @@ class RrtStar final : public StartTreePlanner {
   };
 
   void add_candidate(std::uint32_t node, double length) {
-    if (std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& j) { return j.node == node; })) return;
     candidates_.push_back({node, length, costs_[node] + length});
   }
-
-  void sort_candidates() {
-    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-      return a.cost < b.cost || (a.cost == b.cost && a.node < b.node);
-    });
+  [[nodiscard]] bool is_candidate(std::uint32_t node) const {
+    return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.node == node; });
   }
+  static bool cheaper(const Candidate& a, const Candidate& b) {
+    return a.cost < b.cost || (a.cost == b.cost && a.node < b.node);
+  }
+
+  [[nodiscard]] const Connection& connection() const { return best_path_.known() ? connection_ : first_connection_; }
 
   void rewire(std::uint32_t id, std::uint32_t parent, double length) {
     auto& siblings = children_[tree_->parent(id)];
@@ -275,6 +287,7 @@ class RrtStar final : public StartTreePlanner {
   }
 
   Connection connection_;
+  Connection first_connection_;  ///< until a path is known
   BestPath best_path_;
   bool drew_ = false;            ///< this solve drew a proposal
   bool known_ = false;           ///< a path was known when this solve began

@@ -24,38 +24,16 @@
 #include <utility>
 #include <vector>
 
+#include "axes_obstacles.hpp"
 #include "rrt_bench.hpp"
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
+using bench::AxesObstacles;
+using bench::Obstacles;
+using bench::Placed;
 
 namespace {
-
-constexpr double half_length = bench::robot_length / 2;
-constexpr double half_width = bench::robot_width / 2;
-
-/// Where the robot stands.
-struct Placed {
-  double x, y, c, s;
-
-  Placed(double px, double py, double theta) : x(px), y(py), c(std::cos(theta)), s(std::sin(theta)) {}
-
-  // Half the sides of the box around the robot.
-  [[nodiscard]] double extent_x() const { return std::abs(c) * half_length + std::abs(s) * half_width; }
-  [[nodiscard]] double extent_y() const { return std::abs(s) * half_length + std::abs(c) * half_width; }
-
-  /// The boundary is convex: the robot is inside when its corners are.
-  [[nodiscard]] bool inside_boundary() const {
-    return x - extent_x() >= 0 && x + extent_x() <= bench::world_size && y - extent_y() >= 0 &&
-           y + extent_y() <= bench::world_size;
-  }
-};
-
-class Obstacles {
- public:
-  virtual ~Obstacles() = default;
-  [[nodiscard]] virtual bool touch(const Placed& robot) = 0;
-};
 
 /// Boxes of height 1 under FCL's dynamic tree.
 class FclObstacles final : public Obstacles {
@@ -85,38 +63,6 @@ class FclObstacles final : public Obstacles {
   fcl::CollisionObjectd robot_;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects_;
   fcl::DynamicAABBTreeCollisionManagerd manager_;
-};
-
-/// Separating axes, one obstacle after the other: the world's two axes, then the robot's.
-class AxesObstacles final : public Obstacles {
- public:
-  explicit AxesObstacles(const bench::Scene& scene) {
-    for (const bench::Rectangle& r : scene.obstacles) {
-      boxes_.push_back({(r.xmin + r.xmax) / 2, (r.ymin + r.ymax) / 2, (r.xmax - r.xmin) / 2, (r.ymax - r.ymin) / 2});
-    }
-  }
-
-  [[nodiscard]] bool touch(const Placed& robot) override {
-    const double extent_x = robot.extent_x();
-    const double extent_y = robot.extent_y();
-    const double c = std::abs(robot.c);
-    const double s = std::abs(robot.s);
-    for (const Box& box : boxes_) {
-      const double dx = box.x - robot.x;
-      const double dy = box.y - robot.y;
-      if (std::abs(dx) > extent_x + box.half_x || std::abs(dy) > extent_y + box.half_y) continue;
-      if (std::abs(dx * robot.c + dy * robot.s) > half_length + c * box.half_x + s * box.half_y) continue;
-      if (std::abs(dy * robot.c - dx * robot.s) > half_width + s * box.half_x + c * box.half_y) continue;
-      return true;
-    }
-    return false;
-  }
-
- private:
-  struct Box {
-    double x, y, half_x, half_y;
-  };
-  std::vector<Box> boxes_;
 };
 
 /// An iteration of RRT draws one state, from this or from the goal.
