@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws that every sampling planner keeps, on every problem.
+#include <algorithm>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/planner/planner.hpp>
@@ -163,15 +166,59 @@ TEST_CASE("start and goal in one place are solved at once", "[planner]") {
   }
 }
 
-TEST_CASE("lazy roadmaps spend fewer checks than eager ones on an open scene", "[planner]") {
+TEST_CASE("lazy roadmaps spend fewer checks than those that check every edge", "[planner]") {
   const auto problem = test::cup_problem();
   std::uint64_t eager = 0;
   std::uint64_t lazy = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    eager += run(*find_planner("prm"), problem, seed).checks.validity;
-    lazy += run(*find_planner("lazy_prm"), problem, seed).checks.validity;
+    eager += run(*find_planner("prm_star"), problem, seed).checks.validity;
+    lazy += run(*find_planner("lazy_prm_star"), problem, seed).checks.validity;
   }
   CHECK(lazy < eager);
+}
+
+TEST_CASE("prm finds the shortest path over all valid motions to neighbours, by a part of their checks", "[planner]") {
+  const auto problem = test::cup_problem();
+  std::uint64_t checks = 0;
+  std::uint64_t all = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    CAPTURE(seed);
+    const auto out = run(*find_planner("prm"), problem, seed);
+    REQUIRE(out.solution.solved());
+    const auto instance = make_instance(problem);
+    const Configurations& nodes = out.search.nodes;
+    // Each node is joined to its ten nearest among those before it. Bellman and Ford find the shortest path.
+    struct Edge {
+      std::size_t a, b;
+      double length;
+    };
+    std::vector<Edge> edges;
+    for (std::size_t b = 1; b < nodes.size(); ++b) {
+      std::vector<Edge> to;
+      for (std::size_t a = 0; a < b; ++a) to.push_back({a, b, problem.space.distance(nodes[a], nodes[b])});
+      std::stable_sort(to.begin(), to.end(), [](const Edge& x, const Edge& y) { return x.length < y.length; });
+      to.resize(std::min<std::size_t>(to.size(), 10));
+      for (const Edge& edge : to) {
+        if (instance->motion(nodes[edge.a], nodes[edge.b]).valid) edges.push_back(edge);
+      }
+    }
+    std::vector<double> cost(nodes.size(), std::numeric_limits<double>::infinity());
+    cost[0] = 0.0;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Edge& edge : edges) {
+        for (const auto& [from, to] : {std::pair(edge.a, edge.b), std::pair(edge.b, edge.a)}) {
+          if (cost[from] + edge.length >= cost[to]) continue;
+          cost[to] = cost[from] + edge.length;
+          changed = true;
+        }
+      }
+    }
+    CHECK(path_length(problem.space, out.solution.path) == Approx(cost[1]).epsilon(1e-9));
+    checks += out.checks.validity;
+    all += instance->checks.validity;
+  }
+  CHECK(2 * checks < all);
 }
 
 TEST_CASE("every lazy evaluation of a roadmap finds valid paths and reports the validated nodes",

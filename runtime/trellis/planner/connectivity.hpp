@@ -8,8 +8,8 @@
 
 namespace trellis {
 
-/// The vertices of a roadmap that are connected to the start, and those that are connected to a goal, by checked
-/// motions. A disjoint-set forest; each union lists the vertices that it newly connects.
+/// The vertices of a roadmap that are connected to each other, to the start, and to a goal, by checked motions. A
+/// disjoint-set forest; each union lists the vertices that it newly connects.
 class Connectivity {
  public:
   static constexpr std::uint8_t to_start = 1;
@@ -51,6 +51,8 @@ class Connectivity {
     sides_[a] = all;
     std::swap(next_[a], next_[b]);
   }
+  /// Whether two vertices are connected.
+  [[nodiscard]] bool same(std::uint32_t a, std::uint32_t b) { return root(a) == root(b); }
   [[nodiscard]] bool connected(std::uint32_t vertex, std::uint8_t side) { return (sides_[root(vertex)] & side) != 0; }
 
  private:

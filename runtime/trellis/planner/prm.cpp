@@ -79,8 +79,9 @@ PlannerKind prm_kind() {
   return {&prm_settings().component(), [](const Options& o) { return common_of(prm_settings().read(o)); },
           [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
             const PrmSettings settings = prm_settings().read(o);
-            return std::make_unique<RoadmapPlanner>(settings.connection(),
-                                                    RoadmapPlanner::Mode{.again = settings.batch}, std::move(context));
+            return std::make_unique<RoadmapPlanner>(
+                settings.connection(), RoadmapPlanner::Mode{.between_components = true, .again = settings.batch},
+                std::move(context));
           },
           false};
 }

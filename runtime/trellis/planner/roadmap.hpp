@@ -77,6 +77,10 @@ class LifelongSearch {
   void neighbours(std::uint32_t vertex, std::vector<std::uint32_t>& out) const {
     for (const Arc& arc : vertices_[vertex].arcs) out.push_back(arc.to);
   }
+  /// Appends the edges of a vertex.
+  void edges_of(std::uint32_t vertex, std::vector<std::uint32_t>& out) const {
+    for (const Arc& arc : vertices_[vertex].arcs) out.push_back(arc.edge);
+  }
   /// Vertices expanded so far: the total cost of all searches.
   [[nodiscard]] std::uint64_t expanded() const { return expanded_; }
   /// Edges considered so far, by searches and repairs.

@@ -393,14 +393,15 @@ void RoadmapPlanner::insert_found(View q, Known known) {
   for (const auto& neighbour : neighbours_) {
     const double length = std::sqrt(neighbour.squared_distance);
     if (nodes_[neighbour.id] == Known::invalid) continue;
-    if (!mode_.lazy_edges) {
+    const bool later = deferred(neighbour.id, id);
+    if (!later) {
       const MotionReport report = context_.instance.motion(node(neighbour.id), node(id));
       if (!report.valid) {
         blocked_motions_.add(context_.instance.space, node(neighbour.id), node(id), report.invalid_at);
         continue;
       }
     }
-    add_edge(neighbour.id, id, length, mode_.lazy_edges ? Known::unknown : Known::valid);
+    add_edge(neighbour.id, id, length, later ? Known::unknown : Known::valid);
   }
 }
 
@@ -414,7 +415,8 @@ double RoadmapPlanner::cost_factor(View a, View b) const {
 
 void RoadmapPlanner::add_edge(std::uint32_t a, std::uint32_t b, double length, Known known) {
   const std::uint32_t edge = paths_.add_edge(a, b, length * cost_factor(node(a), node(b)));
-  context_.search.edges.push_back({rows_[a], rows_[b]});
+  // Without lazy edges the record has those that were found valid.
+  if (mode_.lazy_edges || known != Known::unknown) context_.search.edges.push_back({rows_[a], rows_[b]});
   edges_.push_back(known);
   passes_.push_back(0);
   if (known == Known::valid && presumed_) presumed_edges_.push_back(edge);
@@ -504,9 +506,42 @@ bool RoadmapPlanner::validated(std::uint32_t end) {
   }
   if (mode_.coarse_to_fine && !coarsely_valid()) return false;
   for (std::size_t i = 0; i < path_.size(); ++i) {
-    if (!edge_valid(outside_in(i, path_.size()))) return false;
+    if (edge_valid(outside_in(i, path_.size()))) continue;
+    if (mode_.between_components) check_deferred();
+    return false;
   }
   return true;
+}
+
+void RoadmapPlanner::check_deferred() {
+  std::vector<std::uint32_t> edges;
+  for (const std::uint32_t id : stops_) paths_.edges_of(id, edges);
+  refuted_.clear();
+  for (const std::uint32_t id : edges) {
+    if (edges_[id] != Known::unknown) continue;
+    const auto& edge = paths_.edge(id);
+    const MotionReport report = context_.instance.motion(node(edge.a), node(edge.b));
+    if (report.valid) {
+      found_valid(id);
+    } else {
+      edges_[id] = Known::invalid;
+      refuted_.push_back(id);
+      context_.instance.space.interpolate(node(edge.a), node(edge.b), report.invalid_at, blocked_);
+      report_blocked(node(edge.a), node(edge.b));
+    }
+  }
+  paths_.remove_edges(refuted_);
+  refuted_.clear();
+}
+
+void RoadmapPlanner::found_valid(std::uint32_t id) {
+  // Without lazy edges the record has those that were found valid.
+  if (!mode_.lazy_edges && edges_[id] == Known::unknown) {
+    context_.search.edges.push_back({rows_[paths_.edge(id).a], rows_[paths_.edge(id).b]});
+  }
+  edges_[id] = Known::valid;
+  if (presumed_) presumed_edges_.push_back(id);
+  join(id);
 }
 
 bool RoadmapPlanner::evaluated(std::uint32_t end) {
@@ -638,9 +673,7 @@ bool RoadmapPlanner::edge_valid(std::size_t at) {
   const MotionReport report =
       edges_[id] == Known::stale ? instance.recheck_motion(from, to) : instance.motion(from, to);
   if (report.valid) {
-    edges_[id] = Known::valid;
-    if (presumed_) presumed_edges_.push_back(id);
-    join(id);
+    found_valid(id);
     return true;
   }
   remove_edge(at, report.invalid_at);

@@ -21,8 +21,11 @@ namespace trellis {
 class RoadmapPlanner final : public Planner {
  public:
   struct Mode {
-    bool lazy_nodes = false;   ///< checks a node when the shortest path contains it
-    bool lazy_edges = false;   ///< checks an edge when the shortest path contains it
+    bool lazy_nodes = false;  ///< checks a node when the shortest path contains it
+    bool lazy_edges = false;  ///< checks an edge when the shortest path contains it
+    /// Checks an edge between nodes that are already connected only when the shortest path contains it. Such edges
+    /// change which path is the shortest, never whether there is one.
+    bool between_components = false;
     std::int64_t samples = 0;  ///< proposals before the first search
     std::int64_t batch = 1;    ///< proposals per round while start and goal are not connected
     std::int64_t again = 1;    ///< minimum of proposals when a solve has to find another path
@@ -113,6 +116,11 @@ class RoadmapPlanner final : public Planner {
   void remove_refuted_nodes();
   /// Whether an edge of the path is valid. Removes an invalid edge.
   bool edge_valid(std::size_t at);
+  /// Marks an edge as valid.
+  void found_valid(std::uint32_t id);
+  /// Checks all deferred edges of the path's nodes and removes the invalid ones: a repair of the search for each of
+  /// them would cost more than these checks.
+  void check_deferred();
   /// While start and goal are not connected: validates the path to a node of the last proposals, from the start to its
   /// first invalid part. This shows the guide which nodes are connected.
   void validate_ahead();
@@ -134,6 +142,10 @@ class RoadmapPlanner final : public Planner {
   /// factor for edges that leave the guiding paths.
   [[nodiscard]] double cost_factor(View a, View b) const;
   void add_edge(std::uint32_t a, std::uint32_t b, double length, Known known);
+  /// Whether an edge is checked only when the shortest path contains it.
+  [[nodiscard]] bool deferred(std::uint32_t a, std::uint32_t b) {
+    return mode_.lazy_edges || (mode_.between_components && !presumed_ && connectivity_.same(a, b));
+  }
   /// Checks the edges of the path at their middles, then at their quarters, and so on, each time from both ends of the
   /// path inwards, while the interval is at least four times the resolution. The motion check covers the rest. Removes
   /// the first invalid edge.
