@@ -20,7 +20,7 @@ namespace {
 
 // Points of a target for the scores on other runs' paths and of lower levels: fewer than for the root's own path.
 constexpr std::int64_t few_points = 512;
-constexpr std::int64_t small_pool = 4096;
+constexpr std::int64_t small_pool = 2048;
 constexpr std::size_t kept_points = 2048;    // of each run's target, for drawings
 constexpr std::size_t pooled_samples = 500;  // of each run, in the pool of all seeds
 // Kernels cost more than all other estimators together, and serve for comparison only.
@@ -106,7 +106,8 @@ class ProblemScoring {
         overview_(scope == ScoreScope::overview),
         users_(std::holds_alternative<UserTarget>(measure_.target)),
         headline_only_(measure_.estimators == default_estimators()),
-        rough_intervals_(crosses() && seeds_ >= least_for_interval) {
+        rough_intervals_(crosses() && seeds_ >= least_for_interval),
+        together_(overview_ && rough_intervals_ && !users_ && experiment.problems.size() <= most_single_problems) {
     const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
                                       [&](const Problem& p) { return p.name == runs_.front()->problem; });
     scored_->problem = &*problem;
@@ -231,6 +232,10 @@ class ProblemScoring {
     for (const auto& donors : donors_) {
       for (const std::size_t donor : donors) gives[donor] = 1;
     }
+    if (together_) {
+      make_few_targets(gives);
+      return;
+    }
     in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
       const PollScope polled(polled_);
       poll();
@@ -242,6 +247,25 @@ class ProblemScoring {
         level_targets_[i][l] = own_target(result, result.levels[l]);
       }
     });
+  }
+
+  /// Makes the targets of the pool only, and chooses one of them for each seed: the overview prints pooled figures, and
+  /// of single runs where they disagree and which part of the divergence explains a verdict.
+  void make_few_targets(const std::vector<char>& gives) {
+    const PollScope polled(polled_);
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < runs_.size() && chosen.size() < static_cast<std::size_t>(measure_.cross); ++i) {
+      const auto same_seed = [&](std::size_t other) { return other % seeds_ == i % seeds_; };
+      if (gives[i] == 0 || std::any_of(chosen.begin(), chosen.end(), same_seed)) continue;
+      root_targets_[i] = own_target(*runs_[i], runs_[i]->levels.front());
+      if (root_targets_[i]->target) chosen.push_back(i);
+    }
+    for (std::size_t seed = 0; seed < seeds_; ++seed) {
+      donors_[seed].clear();
+      const auto other =
+          std::find_if(chosen.begin(), chosen.end(), [&](std::size_t donor) { return donor % seeds_ != seed; });
+      if (other != chosen.end()) donors_[seed].push_back(*other);
+    }
   }
 
   /// Returns the targets of the same level under other seeds.
@@ -319,6 +343,7 @@ class ProblemScoring {
     bool brief = false;       ///< uses the headline's estimator and `knn` only
     bool few_points = false;  ///< uses a part of the target's points
     bool pooled = false;      ///< of all seeds together: the interval uses all that there is
+    bool interval = true;
   };
   [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, SampleSupport support,
                                   const std::function<double(View)>& density, Effort effort) const {
@@ -334,6 +359,7 @@ class ProblemScoring {
                        .estimators = measure_.estimators,
                        .brief = effort.brief,
                        .headline_only = headline_only_,
+                       .interval = effort.interval,
                        .rough_interval = rough_intervals_ && !effort.pooled,
                        .density = density,
                        .points = effort.few_points ? static_cast<std::size_t>(few_points) : 0,
@@ -434,6 +460,24 @@ class ProblemScoring {
     }
   }
 
+  /// Scores a level on other seeds' paths as far as the overview prints it. Beside pooled figures, single runs only
+  /// show which part of the divergence of the nodes explains a verdict: that needs no interval, and no proposals.
+  [[nodiscard]] std::optional<Scores> overview_scores(const std::vector<TargetPointer>& targets, const RunResult& run,
+                                                      const LevelRecord& record) const {
+    const Space& root = run.levels.front().record.space;
+    if (!together_) {
+      const Sets sets = root_sets(run, record, root);
+      return mean_scores(targets, [&](const Target& target) { return scores(target, sets, true); });
+    }
+    const Effort effort{.brief = record.level != 0, .few_points = true, .interval = false};
+    const Stream some(measure_seed + run.seed, record.key, "pooled nodes");
+    const PreparedSamples nodes(root, thinned(nodes_of(record, record.root_nodes()), pooled_samples, some));
+    return mean_scores(targets, [&](const Target& target) {
+      const SampleSupport support = record.level == 0 ? sample_support(record) : SampleSupport::anything;
+      return Scores{figure(target, nodes, support, {}, effort), none(0, "the overview has those of all seeds", false)};
+    });
+  }
+
   void score_paths(std::size_t index, RunResult& result) {
     std::vector<TargetPointer> crossing;
     for (const std::size_t donor : donors_[index % seeds_]) {
@@ -441,8 +485,7 @@ class ProblemScoring {
     }
     if (overview_ && !crossing.empty()) {
       for (LevelResult& level : result.levels) {
-        const Sets sets = root_sets(result, level.record, result.levels.front().record.space);
-        level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets, true); });
+        level.root_cross = overview_scores(crossing, result, level.record);
       }
       return;
     }
@@ -773,6 +816,7 @@ class ProblemScoring {
   bool users_;            // the target is a script's
   bool headline_only_;    // no other estimator is requested
   bool rough_intervals_;  // of single runs: reports print the pooled ones first
+  bool together_;         // the overview prints pooled figures
   std::shared_ptr<UserTarget::ScoredSamples> scored_ = std::make_shared<UserTarget::ScoredSamples>();
 };
 

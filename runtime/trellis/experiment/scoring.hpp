@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/experiment/store.hpp>
 
 namespace trellis {
+
+/// The overview reports more problems than these together, by their single runs.
+inline constexpr std::size_t most_single_problems = 6;
 
 /// Scores all runs of an experiment: on their own targets, on those of other seeds, and for the other options of the
 /// measure.

@@ -173,10 +173,20 @@ double GridTube::squared(std::size_t piece, const double* z, std::size_t count, 
   }
 }
 
+template <class Look>
+void GridTube::look_near(View y, const double* z, Look look) const {
+  // A point of the tube is nearest to one of the pieces in its cell's list.
+  if (const auto cell = cell_of(y); cell && near(*cell, z)) {
+    for (std::uint32_t i = first_[*cell]; i < first_[*cell + 1]; ++i) look(near_[i]);
+  } else {
+    for (std::size_t i = 0; i < pieces(); ++i) look(i);
+  }
+}
+
 double GridTube::distance(View y) const {
   const Gathered z(y, axes_);
   double best = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < pieces(); ++i) best = std::min(best, squared(i, z.data(), axes_.size()));
+  look_near(y, z.data(), [&](std::size_t piece) { best = std::min(best, squared(piece, z.data(), axes_.size())); });
   return std::sqrt(best);
 }
 
@@ -184,20 +194,14 @@ double GridTube::along(View y) const {
   const Gathered z(y, axes_);
   double best = std::numeric_limits<double>::infinity();
   double arc = 0.0;
-  const auto look = [&](std::size_t piece) {
+  look_near(y, z.data(), [&](std::size_t piece) {
     double t = 0.0;
     const double square = squared(piece, z.data(), axes_.size(), &t);
     if (square < best) {
       best = square;
       arc = begin_[piece] + t * std::sqrt(step_square_[piece]);
     }
-  };
-  // A point of the tube is nearest to one of the pieces in its cell's list.
-  if (const auto cell = cell_of(y); cell && near(*cell, z.data())) {
-    for (std::uint32_t i = first_[*cell]; i < first_[*cell + 1]; ++i) look(near_[i]);
-  } else {
-    for (std::size_t i = 0; i < pieces(); ++i) look(i);
-  }
+  });
   return arc;
 }
 

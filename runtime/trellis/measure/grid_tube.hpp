@@ -45,6 +45,9 @@ class GridTube : public Tube {
   /// Returns the first cell at which the cumulative volume exceeds a volume.
   [[nodiscard]] std::size_t cell_at(double volume) const;
   [[nodiscard]] bool near(std::size_t cell, const double* z) const;
+  /// Calls look(piece) for pieces of which one is the nearest to y; z: the coordinates of y over the tube's axes.
+  template <class Look>
+  void look_near(View y, const double* z, Look look) const;
 
   // Pieces of P over the tube's axes: start and shortest difference to the end, about as long as the radius.
   std::vector<double> from_, step_;

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include <trellis/base/clones.hpp>
 #include <trellis/base/polling.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/measure/target_feature.hpp>
@@ -43,6 +44,18 @@ double largest_share(std::size_t total, std::size_t count, double error) {
 double smallest_share(std::size_t total, std::size_t count, double error) {
   if (count == 0) return 0.0;
   return Binomial::find_lower_bound_on_p(static_cast<double>(total), static_cast<double>(count), error);
+}
+
+/// Adds the squares of the shorter distances from y along one axis; the first axis begins the sums.
+TRELLIS_CLONES void add_squares(const double* column, std::size_t count, double y, double period, bool first,
+                                double* square) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double u = std::abs(column[i] - y);
+    const double other = period - u;
+    const double short_way = other < u ? other : u;
+    const double before = first ? 0.0 : square[i];
+    square[i] = before + short_way * short_way;
+  }
 }
 
 /// The points of the target and the samples that the interval uses.
@@ -295,45 +308,63 @@ class Supporter {
     return largest();
   }
 
-  /// Returns the squared distance of the k-th nearest of the first samples.
+  /// The squared distances of the k-th nearest of the first samples, for fewer and fewer neighbours. Of each point it
+  /// keeps the k nearest: among them are all for which it is asked next.
   class Neighbours {
    public:
-    Neighbours(const Supporter& of, std::size_t count) : frame_(of.evaluation_.frame()), tree_(of.tree_of(0, count)) {
-      if (!frame_.flat()) return;
+    Neighbours(const Supporter& of, std::size_t count)
+        : of_(of), tree_(of.tree_of(0, of.evaluation_.frame().flat() ? 0 : count)), size_(count), kept_(count) {
+      if (!frame().flat()) return;
       columns_.resize(of.d_ * count);
       for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t j = 0; j < of.d_; ++j) columns_[j * count + i] = of.sample(i)[j];
       }
       squared_.resize(count);
     }
-    [[nodiscard]] std::size_t size() const { return tree_.size(); }
-    [[nodiscard]] double kth(View y, std::size_t k) {
-      constexpr std::size_t many = 16;  // a tree keeps its nearest points sorted, which takes long for many
-      if (k <= many || columns_.empty()) {
-        found_.resize(k);
-        tree_.nearest(y, found_);
-        return found_.back();
+    [[nodiscard]] std::size_t size() const { return size_; }
+    /// \param k  at most that of the call before
+    [[nodiscard]] std::vector<double> kth(std::size_t k) {
+      std::vector<double> found(of_.points_);
+      std::vector<double> kept(columns_.empty() ? 0 : of_.points_ * k);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        poll();
+        found[i] = columns_.empty() ? by_tree(i, k) : by_scan(i, k, kept);
       }
-      std::fill(squared_.begin(), squared_.end(), 0.0);
-      for (std::size_t j = 0; j < y.size(); ++j) {
-        const double* column = &columns_[j * squared_.size()];
-        const double period = frame_.period(j);
-        for (std::size_t i = 0; i < squared_.size(); ++i) {
-          const double u = std::abs(column[i] - y[j]);
-          const double short_way = std::min(u, period - u);
-          squared_[i] += short_way * short_way;
-        }
-      }
-      const auto at = squared_.begin() + static_cast<std::ptrdiff_t>(k - 1);
-      std::nth_element(squared_.begin(), at, squared_.end());
-      return *at;
+      nearest_ = std::move(kept);
+      kept_ = k;
+      return found;
     }
 
    private:
-    const Frame& frame_;
-    PointTree tree_;
+    [[nodiscard]] const Frame& frame() const { return of_.evaluation_.frame(); }
+    double by_tree(std::size_t i, std::size_t k) {
+      squared_.resize(k);
+      tree_.nearest(of_.point(i), squared_);
+      return squared_.back();
+    }
+    double by_scan(std::size_t i, std::size_t k, std::vector<double>& kept) {
+      if (nearest_.empty()) {
+        const View y = of_.point(i);
+        for (std::size_t j = 0; j < y.size(); ++j) {
+          add_squares(&columns_[j * size_], size_, y[j], frame().period(j), j == 0, squared_.data());
+        }
+      } else {
+        std::copy_n(&nearest_[i * kept_], kept_, squared_.begin());
+      }
+      const auto first = squared_.begin();
+      const auto at = first + static_cast<std::ptrdiff_t>(k - 1);
+      std::nth_element(first, at, first + static_cast<std::ptrdiff_t>(kept_));
+      std::copy_n(first, k, &kept[i * k]);
+      return *at;
+    }
+
+    const Supporter& of_;
+    PointTree tree_;  // of a space with rotations
+    std::size_t size_;
+    std::size_t kept_;
+    std::vector<double> nearest_;  // of each point: the `kept_` nearest, in any order
     std::vector<double> columns_;  // of a flat space: the first coordinates, then the second ones, ...
-    std::vector<double> squared_, found_;
+    std::vector<double> squared_;
   };
 
   /// The density relative to T at the first points of the target, by the k nearest samples.
@@ -341,9 +372,10 @@ class Supporter {
     const auto count = static_cast<double>(samples.size());
     const double log_share = boost::math::digamma(static_cast<double>(k)) - std::log(count);
     const PointTree& pool = target_.pool_tree(pool_expected * samples.size() / k);
+    const std::vector<double> radii = samples.kth(k);
     for (std::size_t i = 0; i < log_density.size(); ++i) {
       poll();
-      const std::size_t within = pool.count_within(point(i), samples.kth(point(i), k));
+      const std::size_t within = pool.count_within(point(i), radii[i]);
       const auto inside = static_cast<double>(std::max<std::size_t>(within, 1));
       log_density[i] = log_share - std::log(inside / static_cast<double>(pool.size()));
     }

@@ -23,8 +23,8 @@ class Tube;
 /// The options of all targets.
 struct TargetSettings {
   double delta = 0.5;          ///< radius of the tube, and of the balls of coverage; metres of the metric
-  std::int64_t points = 4096;  ///< evaluation points on the target
-  std::int64_t pool = 16384;   ///< points of the target for the volumes of intersected balls and for `exact`
+  std::int64_t points = 2048;  ///< evaluation points on the target
+  std::int64_t pool = 8192;    ///< points of the target for the volumes of intersected balls and for `exact`
 };
 
 /// The tube target: T uniform on A = { x in C_free : d(x, P) < delta }, P the final path.

@@ -14,6 +14,7 @@
 
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/rejections.hpp>
+#include <trellis/experiment/scoring.hpp>
 #include <trellis/report/overview.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>
@@ -28,8 +29,6 @@ namespace trellis {
 
 namespace {
 
-/// More problems than these are reported together.
-constexpr std::size_t most_single_problems = 6;
 /// More tables of levels than these would not fit a screen: --report levels prints them.
 constexpr std::size_t most_level_tables = 4;
 /// Longest name of a level, in columns, so that a row fits a line; the heading shows the full names.
