@@ -116,7 +116,7 @@ bench::Run plan(const bench::Scene& scene, Obstacles& obstacles, std::uint64_t s
   space->setBounds(bounds);
   // The longest valid segments as shares of each part's extent: the resolution for the position, and for the angle the
   // turn that moves the robot's corner by as much.
-  const double turn = bench::resolution / std::hypot(half_length, half_width);
+  const double turn = bench::resolution / std::hypot(bench::half_length, bench::half_width);
   space->getSubspace(0)->setLongestValidSegmentFraction(bench::resolution / space->getSubspace(0)->getMaximumExtent());
   space->getSubspace(1)->setLongestValidSegmentFraction(turn / space->getSubspace(1)->getMaximumExtent());
   space->setStateSamplerAllocator([&run](const ob::StateSpace* of) -> ob::StateSamplerPtr {
