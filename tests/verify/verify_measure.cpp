@@ -335,11 +335,11 @@ void rrt_table(Report& report) {
 /// `exact` at the default number of points against a fine quasi Monte Carlo integral of the same density.
 void exact_table(Report& report) {
   report.text +=
-      "### Exact densities\n\n`exact` as it is by default (16384 points) against an integral over 2^18 points of the "
+      "### Exact densities\n\n`exact` as it is by default (8192 points) against an integral over 2^18 points of the "
       "recorded density: nested strategy (skeleton >> shrink >> lazy >> rrt), seed 1, its own path. Beside it `knn` on "
       "the N samples: the proposals lie in a thin tube of SE(2), the target holds all headings, and so few samples "
       "cannot show how little is proposed elsewhere. The report says so where the two disagree.\n\n"
-      "| scene | level | D_eps, 16384 points | D_eps, 2^18 points | difference | N | `knn` |\n"
+      "| scene | level | D_eps, 8192 points | D_eps, 2^18 points | difference | N | `knn` |\n"
       "|---|---|---|---|---|---|---|\n";
   double worst = 0.0;
   const StrategySpec nested = GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}) >>
