@@ -83,23 +83,46 @@ std::vector<bool> connected(const Triangulation& free, std::uint32_t from) {
 /// Whether the robot covers its reference point, which then must stay in free space.
 bool covers_reference(const Robot& robot) { return robot.is_point() || robot.inscribed_radius() > 0.0; }
 
-/// Warns of a resolution at which the search steps over an obstacle.
-void find_coarse_resolution(const Problem& problem, std::vector<std::string>& warnings) {
+/// A resolution at which the search steps over an obstacle.
+struct CoarseResolution {
+  double enough = 0.0;  ///< the resolution at which it does not
+  std::string text;
+};
+
+std::optional<CoarseResolution> coarse_resolution(const Problem& problem) {
   // The motions of a point are exact at any resolution.
-  if (problem.scene->is_point()) return;
+  if (problem.scene->is_point()) return std::nullopt;
   const auto thinnest = problem.scene->thinnest_obstacle();
-  if (!thinnest) return;
+  if (!thinnest) return std::nullopt;
   const double body = 2.0 * problem.scene->inscribed_radius();
   const double enough = thinnest->thickness + body;
   constexpr double rounding = 1e-9;
-  if (problem.resolution <= enough * (1.0 + rounding) || enough == 0.0) return;
-  warnings.push_back(fmt::format(
+  if (problem.resolution <= enough * (1.0 + rounding) || enough == 0.0) return std::nullopt;
+  std::string text = fmt::format(
       "problem '{}': between two configurations that are checked the robot moves by up to resolution = {:g} m, and {} "
       "is {:.3g} m thick{}: a search passes through it and its paths are refuted, which costs time; with resolution = "
       "{:.2g} it does not",
       problem.name, problem.resolution, problem.scene->obstacle_name(thinnest->obstacle), thinnest->thickness,
       body > 0.0 ? fmt::format(", the largest disc or ball about the robot's reference point {:.3g} m", body) : "",
-      enough));
+      enough);
+  return CoarseResolution{enough, std::move(text)};
+}
+
+/// Warns of resolutions at which the search steps over obstacles; of many problems of the coarsest alone.
+void find_coarse_resolutions(const std::vector<Problem>& problems, std::vector<std::string>& warnings) {
+  constexpr std::size_t many = 3;
+  std::vector<CoarseResolution> found;
+  for (const Problem& problem : problems) {
+    if (auto one = coarse_resolution(problem)) found.push_back(std::move(*one));
+  }
+  if (found.size() <= many) {
+    for (CoarseResolution& one : found) warnings.push_back(std::move(one.text));
+    return;
+  }
+  const auto least =
+      std::min_element(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.enough < b.enough; });
+  warnings.push_back(
+      fmt::format("{}; in {} other problems obstacles are too thin as well", least->text, found.size() - 1));
 }
 
 }  // namespace
@@ -457,10 +480,10 @@ std::string unit_warning(const Problem& problem) {
 
 std::vector<std::string> input_warnings(const Experiment& experiment) {
   std::vector<std::string> warnings;
+  find_coarse_resolutions(experiment.problems, warnings);
   for (const Problem& problem : experiment.problems) {
     find_degrees(problem, warnings);
     find_limits_in_degrees(problem, warnings);
-    find_coarse_resolution(problem, warnings);
     find_separation(problem, warnings);
     if (const std::string warning = unit_warning(problem); !warning.empty()) {
       warnings.push_back(fmt::format("problem '{}': {}", problem.name, warning));
