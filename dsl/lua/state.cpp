@@ -33,7 +33,8 @@ void add_hiding_hint(lua_State* state) {
     const int type = lua_rawget(state, -2);
     lua_settop(state, 1);
     if (type == LUA_TNIL) return;
-    const std::string hint = message + "; the local '" + name + "' hides the word of the language: rename it";
+    std::string hint = message;
+    hint.append("; the local '").append(name).append("' hides the word of the language: rename it");
     lua_pushlstring(state, hint.data(), hint.size());
     lua_replace(state, 1);
     return;

@@ -28,25 +28,26 @@ SCENARIO("goal_bias: straight to the goal, and straight into what is in front of
   }
 }
 
-SCENARIO("samples near what is invalid find a long passage for a roadmap", "[catalogue][samplers]") {
+SCENARIO("samples near what is invalid in a long passage for a roadmap that checks few edges",
+         "[catalogue][samplers]") {
   GIVEN("a long passage little wider than the robot") {
     const Problem problem = passage(0.6, 3);
     const Trial plain = tried(roadmap(), problem);
     WHEN("a roadmap is guided by gaussian") {
       const Trial guided = tried(guide("gaussian", {{"sigma", 0.1}}) >> roadmap(), problem);
-      THEN("it saves checks") { CHECK_THAT(guided, Spends(fewer_than(plain).validity_checks())); }
+      THEN("it loses little") { CHECK_THAT(guided, LosesLittle(plain)); }
     }
     WHEN("a roadmap is guided by bridge_test") {
       const Trial guided = tried(guide("bridge_test", {{"sigma", 0.6}}) >> roadmap(), problem);
-      THEN("it saves checks") { CHECK_THAT(guided, Spends(fewer_than(plain).validity_checks())); }
+      THEN("it saves proposals") { CHECK_THAT(guided, Spends(fewer_than(plain).proposals())); }
     }
     WHEN("a roadmap is guided by obstacle_based") {
       const Trial guided = tried(guide("obstacle_based") >> roadmap(), problem);
-      THEN("it saves checks") { CHECK_THAT(guided, Spends(fewer_than(plain).validity_checks())); }
+      THEN("it loses little") { CHECK_THAT(guided, LosesLittle(plain)); }
     }
     WHEN("a roadmap is guided by medial_axis") {
       const Trial guided = tried(guide("medial_axis") >> roadmap(), problem);
-      THEN("it saves checks") { CHECK_THAT(guided, Spends(fewer_than(plain).validity_checks())); }
+      THEN("it loses little") { CHECK_THAT(guided, LosesLittle(plain)); }
     }
   }
 }

@@ -65,7 +65,7 @@ TEST_CASE("after a dot come the fields of a module or a library") {
 
 TEST_CASE("after a colon comes what can be asked of a value") {
   CHECK(next("strategy:") ==
-        Words{"clearance", "drive", "hash", "json", "nearest_obstacle", "scaled", "tree", "valid"});
+        Words{"attach", "clearance", "drive", "hash", "json", "nearest_obstacle", "pose", "scaled", "tree", "valid"});
   CHECK(next("(skeleton() >> rrt {}):tr") == Words{"tree"});
 }
 

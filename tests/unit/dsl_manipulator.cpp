@@ -52,22 +52,21 @@ class RobotFolder {
 TEST_CASE("a robot of a URDF file has joints, links, named states and the poses of its links") {
   const RobotFolder files;
   CHECK(files.values("return " + arm).front() == "robot 'six' with 6 coordinates");
-  CHECK(files.values("return table.concat((" + arm + ").joints, ' ')").front() ==
-        "\"turn lift elbow roll wrist flange\"");
+  CHECK(files.values("return table.concat((" + arm + ").joints, ' ')").front() == "turn lift elbow roll wrist flange");
   CHECK(files.values("local a = " + arm + " return a.states.ready[3], #a.links, a.name") ==
-        std::vector<std::string>{"0.5", "8", "\"six\""});
+        std::vector<std::string>{"0.5", "8", "six"});
   CHECK(files.values("local a = " + arm + " return a:pose({0, 0, 0, 0, 0, 0}, 'tool').position[1]").front() == "0.9");
   CHECK(files.values("return robot.urdf('six.urdf', { group = {'elbow', 'roll'}, values = { lift = 0.3 } })").front() ==
         "robot 'six' with 2 coordinates");
   CHECK(files.values("return #robot.urdf('six.urdf').joints, #robot.urdf('six.urdf', { base = 'planar' }).joints") ==
         std::vector<std::string>{"6", "9"});
   CHECK(files.values("local a = robot.urdf('six.urdf', { base = pose {1, 2, 3} }) return a.base.position[3]").front() ==
-        "3");
+        "3.0");
   CHECK(files
             .values("local a = (" + arm +
                     "):attach(box {-0.1, -0.1, -0.1, 0.1, 0.1, 0.1, name = 'tray'}, { link = 'hand', touch = {'l5'} "
                     "}) return a.links[#a.links]")
-            .front() == "\"tray\"");
+            .front() == "tray");
 }
 
 TEST_CASE("a problem of a robot of links takes names for its ends, and weights a radian as a metre") {

@@ -90,8 +90,8 @@ TEST_CASE("RRT* finds another path in its tree where its path is refuted after t
   // Of the first 200 seeds, those whose goal is beyond more than one node that lost its parent.
   for (const std::uint64_t seed : {81, 114, 167, 186}) {
     CAPTURE(seed);
-    const RunRecord run =
-        execute(PlannerSpec::make("rrt_star", {{"proposals", 3000.0}, {"improve", 3000.0}}), problem, seed);
+    const RunRecord run = execute(
+        PlannerSpec::make("rrt_star", {{"proposals", 3000.0}, {"improve", 3000.0}, {"factor", 1.1}}), problem, seed);
     CHECK(run.refuted_paths > 0);
     CHECK(run.levels.front().search.proposals.size() == 3000);
     REQUIRE(run.solved);

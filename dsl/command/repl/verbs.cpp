@@ -961,6 +961,7 @@ std::string names_text(std::size_t width) {
     text += wrap(fmt::format("{}", fmt::join(names, " ")), width, title + ": ", "  ");
   };
   std::vector<std::string> names;
+  names.reserve(std::size(all_verbs));
   for (const Verb& verb : all_verbs) names.emplace_back(verb.name);
   list("session", names);
   using Kind = dsl::Word::Kind;

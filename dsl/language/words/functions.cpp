@@ -212,7 +212,7 @@ void check_field(const Construct& construct, const Field& field, const Arguments
                      ((field.type == "table" || field.type == "number[]") && value.type() != Type::table) ||
                      (field.type == "string" && value.type() != Type::string);
   if (wrong) arguments.reject(field.name);
-  const bool pose = field.type == "number[]|trellis.Pose" && value.get<Pose3>() == nullptr;
+  const bool pose = field.type.starts_with("number[]|trellis.Pose") && value.get<Pose3>() == nullptr && !value.string();
   if (field.type == "number[]" || pose) read_numbers(value, fmt::format("{}: field '{}'", construct.name, field.name));
 }
 

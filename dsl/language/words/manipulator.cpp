@@ -43,7 +43,7 @@ const Settings<UrdfSettings>& urdf_settings() {
 const Construct& urdf_construct() {
   static const Construct construct = {
       .name = "robot.urdf",
-      .usage = "robot.urdf(\"fetch.urdf\", { srdf = \"fetch.srdf\", group = \"arm_with_torso\" })",
+      .usage = R"(robot.urdf("fetch.urdf", { srdf = "fetch.srdf", group = "arm_with_torso" }))",
       .summary =
           "a robot of links and joints from a URDF file; spheres are taken as they are, other shapes are covered by "
           "balls",
@@ -69,7 +69,7 @@ const Construct& urdf_construct() {
 const Construct& attach_construct() {
   static const Construct construct = {
       .name = "attach",
-      .usage = "arm:attach(cylinder { radius = 0.03, length = 0.14, name = \"can\" }, { link = \"panda_hand\" })",
+      .usage = R"(arm:attach(cylinder { radius = 0.03, length = 0.14, name = "can" }, { link = "panda_hand" }))",
       .summary = "the robot with a shape that a link carries",
       .list = "",
       .element = "",
@@ -132,7 +132,7 @@ const std::vector<Field>& members() {
       {"pose", "fun(self: trellis.Manipulator, q: number[], link: string): trellis.Pose", "",
        "where a link is in the world at a configuration (forward kinematics)"},
       {"attach", "fun(self: trellis.Manipulator, shape: trellis.Shape, options: table): trellis.Manipulator", "",
-       "the robot with a shape that a link carries: arm:attach(shape, { link = \"hand\", touch = {\"finger\"} })"}};
+       R"(the robot with a shape that a link carries: arm:attach(shape, { link = "hand", touch = {"finger"} }))"}};
   return list;
 }
 

@@ -94,6 +94,7 @@ struct Tessellation {
   }
 };
 
+bool is_sphere(const Solid& solid) { return std::holds_alternative<Sphere>(solid.shape); }
 bool is_mesh(const Solid& solid) { return std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape); }
 
 }  // namespace
@@ -185,6 +186,13 @@ std::vector<Surface> placed(const Robot3& robot, View q, std::size_t most) {
 Surface surface_of(const SphereModel& model, std::size_t body) {
   constexpr unsigned sides = 8;
   Surface out;
+  if (model.covers_shapes()) {
+    constexpr unsigned more = 16;
+    for (const Solid& solid : model.robot().bodies()[body].solids) {
+      append(out, surface_of(solid, is_sphere(solid) ? sides : more));
+    }
+    return out;
+  }
   const auto& balls = model.bodies()[body];
   for (std::size_t i = 1; i < balls.size(); ++i) {
     append(out, surface_of(Solid{Sphere{balls[i].radius}, {balls[i].centre, {}}}, sides));

@@ -42,7 +42,7 @@ WorldSurfaces surfaces_of(const World3& world, std::size_t most);
 /// Returns the robot's solids at a configuration, each with at most about `most` triangles.
 std::vector<draw::Surface> placed(const Robot3& robot, View q, std::size_t most = 600);
 
-/// Returns a body's balls, in its frame.
+/// Returns a body's shapes, in its frame; of a robot that is thinned or reduced, its balls.
 draw::Surface surface_of(const SphereModel& model, std::size_t body);
 /// Returns the bodies of a robot of links and joints at a configuration.
 std::vector<draw::Surface> placed(const SphereModel& model, View q);

@@ -65,10 +65,14 @@ class EvaluatedGraph {
   /// uses the edge.
   void record(std::uint32_t edge);
 
-  /// Counts the work of the beginning of a search: labels of all edges and vertices.
+  /// Counts the work of the beginning of a search: labels of all edges and vertices; in the plane, where graphs are
+  /// small, with their costs.
   void count_search() {
     const auto size = static_cast<double>(graph_->edges.size() + graph_->vertices.size());
-    context_.instance.count_search(search_cost::label * size);
+    context_.instance.count_search((in_space() ? search_cost::label : search_cost::edge) * size);
+  }
+  [[nodiscard]] bool in_space() const {
+    return context_.instance.scene != nullptr && context_.instance.scene->world_dimension() == 3;
   }
 
   /// Begins to draw `samples` proposals.

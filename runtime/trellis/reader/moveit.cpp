@@ -127,7 +127,7 @@ void read_request(const std::string& path, const Manipulator& robot, MoveitFile&
   Values goal(robot);
   const auto goals = request.at("goal_constraints").list();
   if (goals.empty()) throw request.error("the request has no goal");
-  if (goals.size() > 1) file.warnings.push_back("the first of several goals is read");
+  if (goals.size() > 1) file.warnings.emplace_back("the first of several goals is read");
   for (const YamlEntry& one : goals.front().at("joint_constraints").list()) {
     goal.set(one.at("joint_name").word(), one.at("position").number());
   }

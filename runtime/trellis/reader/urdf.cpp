@@ -205,6 +205,7 @@ class UrdfReader {
         const auto found = numbers.find(leader);
         if (found == numbers.end()) {
           std::vector<std::string> names;
+          names.reserve(numbers.size());
           for (const auto& [name, number] : numbers) names.push_back(name);
           throw mimic->error(fmt::format("no joint is called '{}'{}", leader, did_you_mean(leader, names)));
         }

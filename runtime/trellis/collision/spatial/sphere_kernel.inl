@@ -25,8 +25,8 @@ inline V3 at(const Lanes* frame, double x, double y, double z) {
 void move_chain(const ChainBody* bodies, unsigned count, const Lanes* values, Lanes* frames) {
   for (unsigned b = 1; b < count; ++b) {
     const ChainBody& body = bodies[b];
-    const Lanes* parent = frames + 12 * body.parent;
-    Lanes* frame = frames + 12 * b;
+    const Lanes* parent = frames + 12UL * body.parent;
+    Lanes* frame = frames + 12UL * b;
     const V value = spread(body.multiplier) * load(values[body.column].v) + spread(body.offset);
     V local[9];  // NOLINT(modernize-avoid-c-arrays)
     if (body.slides) {
@@ -34,8 +34,8 @@ void move_chain(const ChainBody* bodies, unsigned count, const Lanes* values, La
       V along[3];  // NOLINT(modernize-avoid-c-arrays)
       for (unsigned k = 0; k < 3; ++k) along[k] = spread(body.position[k]) + value * spread(body.axis[k]);
       for (unsigned i = 0; i < 3; ++i) {
-        store(frame[9 + i].v, ((load(parent[3 * i].v) * along[0] + load(parent[3 * i + 1].v) * along[1]) +
-                               load(parent[3 * i + 2].v) * along[2]) +
+        store(frame[9 + i].v, ((load(parent[3UL * i].v) * along[0] + load(parent[3UL * i + 1].v) * along[1]) +
+                               load(parent[3UL * i + 2].v) * along[2]) +
                                   load(parent[9 + i].v));
       }
     } else {
@@ -49,11 +49,11 @@ void move_chain(const ChainBody* bodies, unsigned count, const Lanes* values, La
       store(frame + 9, at(parent, body.position[0], body.position[1], body.position[2]));
     }
     for (unsigned i = 0; i < 3; ++i) {
-      const V p0 = load(parent[3 * i].v);
-      const V p1 = load(parent[3 * i + 1].v);
-      const V p2 = load(parent[3 * i + 2].v);
+      const V p0 = load(parent[3UL * i].v);
+      const V p1 = load(parent[3UL * i + 1].v);
+      const V p2 = load(parent[3UL * i + 2].v);
       for (unsigned j = 0; j < 3; ++j) {
-        store(frame[3 * i + j].v, (p0 * local[j] + p1 * local[3 + j]) + p2 * local[6 + j]);
+        store(frame[3UL * i + j].v, (p0 * local[j] + p1 * local[3 + j]) + p2 * local[6 + j]);
       }
     }
   }
@@ -98,17 +98,17 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
     const ChainBody& body = bodies[b];
     if (body.ball_count == 0) continue;
     const double slack = scene.slack + scene.moved[b];
-    const Lanes* frame = frames + 12 * b;
-    Lanes* own = centres + 3 * body.first_centre;
+    const Lanes* frame = frames + 12UL * b;
+    Lanes* own = centres + 3UL * body.first_centre;
     const V3 whole = at(frame, body.balls[0].x, body.balls[0].y, body.balls[0].z);
     store(own, whole);
     for (unsigned i = 1; i < body.ball_count; ++i) {
-      store(own + 3 * i, at(frame, body.balls[i].x, body.balls[i].y, body.balls[i].z));
+      store(own + 3UL * i, at(frame, body.balls[i].x, body.balls[i].y, body.balls[i].z));
     }
     if (scene.bounded) {
       M inside = spread(0.0) <= spread(1.0);
       for (unsigned i = 1; i < body.ball_count; ++i) {
-        const V3 c = load(own + 3 * i);
+        const V3 c = load(own + 3UL * i);
         const double r = body.balls[i].radius + (scene.moved[b] > 0.0 ? slack : -slack);
         inside = inside & (spread(scene.lo[0] + r) < c.x) & (c.x < spread(scene.hi[0] - r)) &
                  (spread(scene.lo[1] + r) < c.y) & (c.y < spread(scene.hi[1] - r)) & (spread(scene.lo[2] + r) < c.z) &
@@ -127,7 +127,7 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
       if (bits(ball_meets(whole, body.balls[0].radius + slack, solid)) != 0) candidates[near++] = s;
     }
     for (unsigned i = 1; i < body.ball_count && near > 0; ++i) {
-      const V3 c = load(own + 3 * i);
+      const V3 c = load(own + 3UL * i);
       for (unsigned k = 0; k < near; ++k) {
         hit |= bits(ball_meets(c, body.balls[i].radius + slack, scene.solids[candidates[k]]));
       }
@@ -136,12 +136,12 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
     if (decided()) return hit;
   }
   for (unsigned p = 0; p < scene.pair_count; ++p) {
-    const ChainBody& first = bodies[scene.pairs[2 * p]];
-    const ChainBody& second = bodies[scene.pairs[2 * p + 1]];
+    const ChainBody& first = bodies[scene.pairs[2UL * p]];
+    const ChainBody& second = bodies[scene.pairs[2UL * p + 1]];
     if (first.ball_count == 0 || second.ball_count == 0) continue;
-    const double slack = scene.slack + scene.moved[scene.pairs[2 * p]] + scene.moved[scene.pairs[2 * p + 1]];
-    const Lanes* one = centres + 3 * first.first_centre;
-    const Lanes* two = centres + 3 * second.first_centre;
+    const double slack = scene.slack + scene.moved[scene.pairs[2UL * p]] + scene.moved[scene.pairs[2UL * p + 1]];
+    const Lanes* one = centres + 3UL * first.first_centre;
+    const Lanes* two = centres + 3UL * second.first_centre;
     const auto meets = [&](const V3& a, const V3& b, double reach) {
       const V dx = a.x - b.x;
       const V dy = a.y - b.y;
@@ -151,10 +151,10 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
     const V3 other = load(two);
     if (meets(load(one), other, first.balls[0].radius + second.balls[0].radius + slack) == 0) continue;
     for (unsigned i = 1; i < first.ball_count; ++i) {
-      const V3 c = load(one + 3 * i);
+      const V3 c = load(one + 3UL * i);
       if (meets(c, other, first.balls[i].radius + second.balls[0].radius + slack) == 0) continue;
       for (unsigned j = 1; j < second.ball_count; ++j) {
-        hit |= meets(c, load(two + 3 * j), first.balls[i].radius + second.balls[j].radius + slack);
+        hit |= meets(c, load(two + 3UL * j), first.balls[i].radius + second.balls[j].radius + slack);
       }
     }
     if (decided()) return hit;

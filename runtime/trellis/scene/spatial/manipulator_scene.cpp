@@ -76,7 +76,8 @@ SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vecto
       may_touch_(whole.may_touch_),
       pairs_(std::move(pairs)),
       base_(whole.base_),
-      exact_(whole.exact_) {
+      exact_(whole.exact_),
+      covers_shapes_(false) {
   for (auto& balls : bodies_) {
     if (!balls.empty()) balls.erase(balls.begin());
   }

@@ -51,6 +51,8 @@ class SphereModel {
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
   /// Whether every shape of the robot is a sphere.
   [[nodiscard]] bool exact() const { return exact_; }
+  /// Whether the balls cover the shapes of the bodies, for pictures: not of a robot that is thinned or reduced.
+  [[nodiscard]] bool covers_shapes() const { return covers_shapes_; }
   /// Returns a bound on the distance of the robot's points from its base at all configurations.
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
   /// The middle of the last body of the longest chain of joints: of the hand of an arm with one.
@@ -88,6 +90,7 @@ class SphereModel {
   Pose3 base_;
   std::vector<State> states_;
   bool exact_ = true;
+  bool covers_shapes_ = true;
   double bounding_radius_ = 0.0;
 };
 
