@@ -8,7 +8,9 @@
 
 local folder = "vamp_mbm/robots/ur5/"
 local ur5 = robot.urdf(folder .. "ur5_spherized.urdf", { srdf = folder .. "ur5.srdf", group = "manipulator" })
-local stick = cylinder { radius = 0.02, length = 0.3, pose = pose {0.2, 0, 0, rpy = {0, math.pi / 2, 0}}, name = "stick" }
+local stick = cylinder {
+  radius = 0.02, length = 0.3, pose = pose {0.2, 0, 0, rpy = {0, math.pi / 2, 0}}, name = "stick",
+}
 local with = ur5:attach(stick, { link = "wrist_3_link", touch = ur5.links })
 
 local room = world {
