@@ -48,6 +48,7 @@ class ArmProjection final : public TipProjection {
   [[nodiscard]] double log_fibre_density(View q) const override;
   [[nodiscard]] double folded(View s, const std::function<double(View)>& density) const override;
 
+  [[nodiscard]] bool complete() const override { return true; }
   /// By the shortest motion, to a millionth of the arm's length.
   [[nodiscard]] bool follow(View s, MutableView q) const override { return bring(s, q, 1e-6 * rest_[0].most); }
   [[nodiscard]] const Space& space() const override { return space_; }

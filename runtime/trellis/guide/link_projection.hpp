@@ -18,6 +18,7 @@ class LinkProjection final : public TipProjection {
   void lift(View s, Stream& stream, MutableView q) const override;
   [[nodiscard]] bool closed_form() const override { return false; }
   [[nodiscard]] double log_fibre_density(View q) const override;
+  [[nodiscard]] bool complete() const override { return false; }
   [[nodiscard]] const Space& space() const override { return space_; }
   [[nodiscard]] std::shared_ptr<const Scene> point_scene() const override { return point_scene_; }
   [[nodiscard]] bool reaches(View s) const override;

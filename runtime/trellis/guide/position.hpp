@@ -36,6 +36,8 @@ class PositionProjection final : public Projection {
   [[nodiscard]] const Space& space() const { return arm_ ? arm_->space() : axes_->space(); }
   /// Whether the position is that of an arm's tip.
   [[nodiscard]] bool arm() const { return arm_ != nullptr; }
+  /// See TipProjection::complete; true of a reference point.
+  [[nodiscard]] bool complete() const { return !arm_ || arm_->complete(); }
   /// As Guide::closed_fibre. False for a tip: its position is reflected into the reachable set, so the lifted density
   /// is not that over S times the fibre's.
   [[nodiscard]] bool closed_fibre() const { return !arm_; }

@@ -9,9 +9,9 @@ namespace trellis {
 
 namespace {
 
-double ball_radius(const Instance& parent) {
-  // The lift of a point of a manipulator is one configuration of many: wide balls reach others.
-  const double share = parent.scene->manipulator() != nullptr ? 0.75 : 0.5;
+double ball_radius(const Instance& parent, bool complete) {
+  // A lift that is one configuration of many: wide balls reach others.
+  const double share = complete ? 0.5 : 0.75;
   return share * characteristic_length(parent);
 }
 
@@ -20,7 +20,7 @@ double ball_radius(const Instance& parent) {
 std::unique_ptr<Instance> PositionGuide::point_instance(const Instance& parent) {
   projection_ = std::make_shared<PositionProjection>(name_, parent, link_);
   patience_ = evidence_;
-  if (parent.scene->manipulator() != nullptr) {
+  if (!projection_->complete()) {
     // Where two coordinates and an angle show by so many proposals that a place is blocked, more joints take more.
     constexpr double usual = 3.0;
     patience_ = std::llround(static_cast<double>(evidence_) * static_cast<double>(parent.space.degrees()) / usual);
@@ -74,17 +74,18 @@ std::unique_ptr<Heuristic> PositionGuide::along(Instance& parent, const Configur
   // A point that had no valid lift towards another goal may have one towards this goal.
   if (goal_choice_.replaced()) sparse_.emplace(projection_->space(), spacing_, projection_->arm());
   SparsePath sparse = sparse_->validate(parent, path_, goal, lift, free);
-  const StepHeuristic::Settings steps = {.radius = radius_option_ > 0.0 ? radius_option_ : ball_radius(parent),
-                                         .step = step_length(parent),
-                                         .evidence = patience_};
+  const StepHeuristic::Settings steps = {
+      .radius = radius_option_ > 0.0 ? radius_option_ : ball_radius(parent, projection_->complete()),
+      .step = step_length(parent),
+      .evidence = patience_};
   std::vector<char> known = known_edges(parent, sparse.waypoints);
   auto h = std::make_unique<StepHeuristic>(name_, parent.space, std::move(sparse.waypoints), steps, nodes_.both(),
                                            std::move(known));
   steps_ = h.get();
   follower_ = h.get();
-  // The lift of a tip fails where other configurations would not: both ends of the path still lead out of where start
-  // and goal are, and the planner looks for what is between them.
-  if (sparse.refuted && !projection_->arm() && !path_is_excluded()) {
+  // A lift that is not complete fails where other configurations would not: both ends of the path still lead out of
+  // where start and goal are, and the planner looks for what is between them.
+  if (sparse.refuted && projection_->complete() && !path_is_excluded()) {
     refuted_ = std::move(sparse.refuted);
     h->refute();
   }

@@ -21,6 +21,8 @@ class TipProjection : public Projection {
   [[nodiscard]] virtual bool reaches(View s) const = 0;
   /// Moves q by a short motion in the metric, within its bounds, until f(q) is nearly s. \return whether it succeeds
   [[nodiscard]] virtual bool follow(View s, MutableView q) const = 0;
+  /// Whether `lift` finds a configuration of each fibre that has one, joint limits apart. Else a failure says little.
+  [[nodiscard]] virtual bool complete() const = 0;
   /// Draws a configuration of the fibre of s; a uniform one where it finds none.
   void lift(View s, Stream& stream, MutableView q) const override = 0;
   /// A path in S, lifted to configurations near the straight motion from `start` to `goal`; without the positions that
