@@ -135,13 +135,11 @@ struct Checks {
 };
 
 /// The work of searches in validity checks of 0.07 us, the time of one in the plane: from the CPU times of
-/// lazy >> rrt, workspace >> rrt and decomposition >> rrt in the worlds of scripts/pays --catalogue. A check in space
-/// takes four times as long (Instance::count_search).
+/// lazy >> rrt, workspace >> rrt and decomposition >> rrt in the worlds of scripts/pays --catalogue.
 namespace search_cost {
 inline constexpr double edge = 1.0;       ///< an edge of a graph that a search considers
 inline constexpr double label = 0.03;     ///< an edge or vertex whose label the beginning of a search clears
 inline constexpr double node = 25.0;      ///< a node that a roadmap connects to its neighbours
-inline constexpr double in_space = 0.25;  ///< the factor on `edge`, `label` and `node` in space
 inline constexpr double clearance = 2.0;  ///< a distance from obstacles costs so much more than a check
 }  // namespace search_cost
 
@@ -247,12 +245,6 @@ class Instance {
   Checks checks;
   std::shared_ptr<VerifiedMotions> verified;  ///< valid motions; nullptr: does not store them
   std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
-
-  /// Counts work of a search that is no check.
-  /// \param work  in checks in the plane: multiples of search_cost
-  void count_search(double work) {
-    checks.other += scene != nullptr && scene->world_dimension() == 3 ? search_cost::in_space * work : work;
-  }
 
  private:
   /// A distance from obstacles counts as a check, and its work as more.

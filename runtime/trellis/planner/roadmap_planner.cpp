@@ -62,7 +62,7 @@ std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
 
 std::optional<Status> RoadmapPlanner::step() {
   const std::optional<Status> status = advance();
-  context_.instance.count_search(search_cost::edge * static_cast<double>(paths_.looked_at() - counted_));
+  context_.instance.checks.other += search_cost::edge * static_cast<double>(paths_.looked_at() - counted_);
   counted_ = paths_.looked_at();
   return status;
 }
@@ -315,7 +315,7 @@ void RoadmapPlanner::grow() {
   }
   if (one_search) {
     if (disconnected_) rebuild_connectivity();
-    context_.instance.count_search(search_cost::node);
+    context_.instance.checks.other += search_cost::node;
     insert_found(target_, Known::valid);
   } else {
     insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
@@ -363,7 +363,7 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   } else {
     connection_.find(index_, q, neighbours_);
   }
-  context_.instance.count_search(search_cost::node);
+  context_.instance.checks.other += search_cost::node;
   if (unless_there && is_neighbour()) return false;
   insert_found(q, known);
   return true;
