@@ -580,7 +580,8 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
                                 describe(value)));
       }
       if (const auto* planar = std::get_if<Robot>(&*robot)) options.robot = *planar;
-      if (const auto* manipulator = std::get_if<SphereModel>(&*robot)) options.manipulator = *manipulator;
+      if (const auto* manipulator = std::get_if<SphereModel>(&*robot))
+        options.manipulator = std::make_shared<const SphereModel>(*manipulator);
       if (!options.robot && !options.manipulator) {
         throw Error("scenes.load: option 'robot' must be a robot of the plane, or one of a URDF file");
       }

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <trellis/scene/planar/robot.hpp>
 #include <trellis/scene/scene.hpp>
-#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/space/rotation.hpp>
 
 namespace trellis {
+
+class SphereModel;
 
 /// The program whose rules decide which pixels of a map of ROS are free.
 enum class MapServer : unsigned char {
@@ -25,12 +27,12 @@ struct ReadOptions {
   bool motion = true;            ///< problems have the motion models that the files name, where there is such a model
   double goal_tolerance = 0.25;  ///< of problems with a motion model: their files do not give one
   std::optional<Robot> robot = {};  ///< moves in a world whose file has no robot; none: the format's default
-  std::optional<SphereModel> manipulator = {};  ///< the robot of a scene of MoveIt
-  Configuration start = {};                     ///< replaces the start of the file's one problem; empty: as in the file
-  Configuration goal = {};                      ///< replaces its goal
-  MapServer map_server = MapServer::nav2;       ///< of maps of ROS
-  std::optional<Pose3> start_pose = {};         ///< in place of `start`, of a body in space
-  std::optional<Pose3> goal_pose = {};          ///< in place of `goal`, of a body in space
+  std::shared_ptr<const SphereModel> manipulator = {};  ///< the robot of a scene of MoveIt
+  Configuration start = {};                ///< replaces the start of the file's one problem; empty: as in the file
+  Configuration goal = {};                 ///< replaces its goal
+  MapServer map_server = MapServer::nav2;  ///< of maps of ROS
+  std::optional<Pose3> start_pose = {};    ///< in place of `start`, of a body in space
+  std::optional<Pose3> goal_pose = {};     ///< in place of `goal`, of a body in space
 };
 
 /// What a scene file of another project contains.
