@@ -116,7 +116,6 @@ std::string request_beside(const std::string& path) {
 void read_request(const std::string& path, const Manipulator& robot, MoveitFile& file) {
   const SourceText request_text = SourceText::load(path);
   const YamlEntry request = YamlEntry::root(request_text, "a request of MoveIt as a YAML map");
-  if (request.has("group_name")) file.group = request.at("group_name").word();
   Values start(robot);
   const YamlEntry state = request.at("start_state").at("joint_state");
   const auto names = state.at("name").list();
@@ -173,6 +172,11 @@ MoveitFile read_moveit(const std::string& path, const SphereModel& model) {
   const SourceText scene_text = SourceText::load(path);
   const YamlEntry scene = YamlEntry::root(scene_text, "a scene of MoveIt as a YAML map");
   std::vector<Obstacle3> obstacles = obstacles_of(scene, file.warnings);
+  if (scene.has("robot_state") && scene.at("robot_state").has("attached_collision_objects") &&
+      !scene.at("robot_state").at("attached_collision_objects").list().empty()) {
+    file.warnings.emplace_back(
+        "objects attached to the robot are ignored; robot:attach(shape, { link = ... }) adds them");
+  }
 
   if (std::filesystem::exists(request_beside(path))) read_request(request_beside(path), robot, file);
 

@@ -69,7 +69,6 @@ struct MoveitFile {
   World3 world;
   Configuration start;  ///< of the robot's moving joints
   Configuration goal;
-  std::string group;  ///< that the request names; "" without one
   std::vector<std::string> warnings;
 };
 

@@ -16,6 +16,7 @@
 #include <trellis/reader/formats.hpp>
 #include <trellis/reader/svg_path.hpp>
 #include <trellis/reader/unread.hpp>
+#include <trellis/reader/xml_entry.hpp>
 #include <trellis/scene/limits.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -45,7 +46,7 @@ class Drawing {
     tinyxml2::XMLDocument document;
     if (document.Parse(all.data(), all.size()) != tinyxml2::XML_SUCCESS) {
       const auto line = static_cast<std::size_t>(std::max(document.ErrorLineNum(), 1));
-      throw text.error(line, fmt::format("no SVG that can be read: {}", reason(document)));
+      throw text.error(line, fmt::format("no SVG that can be read: {}", xml_fault(document)));
     }
     const XMLElement* root = document.RootElement();
     if (root == nullptr || name_of(*root) != "svg") {
@@ -77,17 +78,6 @@ class Drawing {
   }
 
  private:
-  /// The first line of tinyxml2's text, without its number of the line.
-  static std::string reason(const tinyxml2::XMLDocument& document) {
-    std::string text = document.ErrorName();
-    for (const std::string prefix : {"XML_", "ERROR_"}) {
-      if (text.starts_with(prefix)) text.erase(0, prefix.size());
-    }
-    std::replace(text.begin(), text.end(), '_', ' ');
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-  }
-
   [[nodiscard]] Error error(const XMLElement& element, const std::string& fault) const {
     return text_.error(static_cast<std::size_t>(std::max(element.GetLineNum(), 1)), fault);
   }

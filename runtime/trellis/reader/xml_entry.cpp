@@ -11,10 +11,7 @@
 
 namespace trellis {
 
-namespace {
-
-/// What tinyxml2 calls a fault, in words: "mismatched element".
-std::string reason(const tinyxml2::XMLDocument& document) {
+std::string xml_fault(const tinyxml2::XMLDocument& document) {
   std::string text = document.ErrorName();
   for (const std::string prefix : {"XML_", "ERROR_"}) {
     if (text.starts_with(prefix)) text.erase(0, prefix.size());
@@ -24,14 +21,12 @@ std::string reason(const tinyxml2::XMLDocument& document) {
   return text;
 }
 
-}  // namespace
-
 XmlEntry XmlEntry::root(const SourceText& text, std::string_view root) {
   const std::string all = text.joined();
   const auto document = std::make_shared<tinyxml2::XMLDocument>();
   if (document->Parse(all.data(), all.size()) != tinyxml2::XML_SUCCESS) {
     throw text.error(static_cast<std::size_t>(std::max(document->ErrorLineNum(), 1)),
-                     fmt::format("no XML that can be read: {}", reason(*document)));
+                     fmt::format("no XML that can be read: {}", xml_fault(*document)));
   }
   const tinyxml2::XMLElement* element = document->RootElement();
   if (element == nullptr || element->Name() != root) {

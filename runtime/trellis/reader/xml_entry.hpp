@@ -15,6 +15,9 @@
 
 namespace trellis {
 
+/// Returns what tinyxml2 calls the fault of a document, in words: "mismatched element".
+std::string xml_fault(const tinyxml2::XMLDocument& document);
+
 /// An element of an XML file, with the file's name for messages, each of which gives the line. The file's text outlives
 /// it; the elements of a file share its document.
 class XmlEntry {
