@@ -17,6 +17,7 @@
 
 #include "support/catch.hpp"
 #include "support/image.hpp"
+#include "support/manipulators.hpp"
 #include "support/process.hpp"
 
 using Json = nlohmann::json;
@@ -88,7 +89,7 @@ void add_runs(const std::string& script, const Place& place, Hashes& hashes) {
 /// Runs every script in an environment.
 std::string hashes_of(const Place& place, const std::string& environment, const std::string& options) {
   Hashes hashes;
-  for (const std::string script : {"planar", "driven", "arm"}) {
+  for (const std::string script : {"planar", "driven", "arm", "manipulator"}) {
     fs::remove_all(place / "samples");
     const auto outcome =
         place.shell(environment + " $T run " + script + ".lua --quiet --json all.json --samples samples " + options);
@@ -103,9 +104,11 @@ std::string hashes_of(const Place& place, const std::string& environment, const 
 
 /// The scripts, and the library and the models that they use.
 void prepare(const Place& place) {
-  for (const std::string script : {"planar", "driven", "arm"}) {
+  for (const std::string script : {"planar", "driven", "arm", "manipulator"}) {
     fs::copy_file(folder / (script + ".lua"), place / (script + ".lua"));
   }
+  place.script("six.urdf", trellis::test::six_joints);
+  place.script("six.srdf", trellis::test::six_joints_srdf);
   place.script("solve.lua",
                "return experiment { problems = scenes.simple_passage(), strategies = { rrt_connect {} }, seeds = 3, "
                "measure = false }\n");
@@ -172,7 +175,8 @@ TEST_CASE("whole runs of every planner and guide have the same hashes on every i
 TEST_CASE("every planner and every guide has a hash", "[determinism]") {
   const Place place;
   std::string scripts;
-  for (const std::string script : {"planar", "driven", "arm"}) scripts += content(folder / (script + ".lua"));
+  for (const std::string script : {"planar", "driven", "arm", "manipulator"})
+    scripts += content(folder / (script + ".lua"));
   std::istringstream help(place.run({"help"}).out);
   std::size_t count = 0;
   bool inside = false;

@@ -1,64 +1,205 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Manipulators as balls: other people's problems, and FCL as a second implementation.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
+#include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include <trellis/base/random.hpp>
+#include <trellis/collision/certificate.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
+#include "support/manipulators.hpp"
 #include "support/scenes.hpp"
 
 using namespace trellis;
 
 namespace {
 
-struct Read {
-  UrdfFile urdf;
-  SrdfFile srdf;
-  SphereModel model;
-};
-
-Read panda(const std::string& folder) {
-  UrdfFile urdf = read_urdf(folder + "/panda_spherized.urdf");
-  SrdfFile srdf = read_srdf(folder + "/panda.srdf", urdf.tree);
-  Manipulator robot(urdf.tree, srdf.groups.front().joints);
-  SphereModel model(robot, srdf.disabled);
-  return {std::move(urdf), std::move(srdf), std::move(model)};
+SphereModel six() {
+  const test::Folder folder;
+  ManipulatorFiles files;
+  files.urdf = folder.write("six.urdf", test::six_joints);
+  files.srdf = folder.write("six.srdf", test::six_joints_srdf);
+  files.group = "arm";
+  std::vector<std::string> warnings;
+  return read_manipulator(files, warnings);
 }
 
-}  // namespace
+Vec3 drawn(Stream& stream, double lo, double hi) {
+  return {stream.uniform(lo, hi), stream.uniform(lo, hi), stream.uniform(lo, hi)};
+}
 
-TEST_CASE("starts and goals of the Panda's problems are valid but one", "[collision][robot]") {
-  const std::string folder = test::scene("vamp_mbm").string();
-  if (folder.empty()) return;
-  const char* extracted = std::getenv("TRELLIS_MBM");
-  const std::string problems = extracted != nullptr ? extracted : folder + "/panda_samples";
-  const Read robot = panda(folder + "/robots/panda");
-  CHECK(robot.model.exact());
-  int count = 0;
-  int valid = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(problems)) {
-    const std::string path = entry.path().string();
-    if (path.find("scene0") == std::string::npos && path.find("_scene") == std::string::npos) continue;
-    if (!path.ends_with(".yaml")) continue;
-    const MoveitFile file = read_moveit(path, robot.model);
-    const auto scene = std::make_shared<ManipulatorScene>(file.world, robot.model);
-    const auto checker = make_checker("spheres", scene, scene->default_space(1.0), 0.05);
-    ++count;
-    const bool both = checker->valid(file.start) && checker->valid(file.goal);
-    valid += both ? 1 : 0;
-    if (!both) {
-      for (const auto* q : {&file.start, &file.goal}) {
-        if (const auto contact = checker->contact(*q))
-          UNSCOPED_INFO(path << ": " << scene->body_name(contact->body) << " " << describe(*contact, *scene));
+/// Primitives of all kinds about the robot, and a mesh if wanted: meshes are decided without the kernels.
+World3 random_world(Stream& stream, bool mesh) {
+  std::vector<Obstacle3> obstacles;
+  const auto add = [&](Shape3 shape) {
+    const Pose3 pose{drawn(stream, -1.2, 1.2), normalised(rotation_of(drawn(stream, -2.0, 2.0)))};
+    obstacles.push_back({"obstacle " + std::to_string(obstacles.size() + 1), {std::move(shape), pose}});
+  };
+  for (int i = 0; i < 2; ++i) {
+    add(Sphere{stream.uniform(0.05, 0.25)});
+    add(Cuboid{drawn(stream, 0.05, 0.4)});
+    add(Cylinder{stream.uniform(0.05, 0.2), stream.uniform(0.1, 0.6)});
+    add(Capsule{stream.uniform(0.05, 0.1), stream.uniform(0.1, 0.6)});
+  }
+  if (mesh) {
+    add(std::make_shared<const Mesh>(Mesh::hull({{0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}, {0, 0, 0.3}}, "tetrahedron")));
+  }
+  return {{{-2, -2, -2}, {2, 2, 2}}, std::move(obstacles), Contain::none};
+}
+
+/// Whether no ball touches an obstacle, by FCL, nor another body's ball that it must not touch.
+class BallByBall {
+ public:
+  BallByBall(const World3& world, const SphereModel& model) : model_(model) {
+    for (const auto& balls : model.bodies()) {
+      auto& own = checkers_.emplace_back();
+      for (const BodySphere& ball : balls) {
+        const auto scene = std::make_shared<SpatialScene>(world, Robot3("ball", {{Sphere{ball.radius}, {}}}, false));
+        own.push_back(make_checker("fcl_plain", scene, scene->default_space(1.0), 0.05));
       }
     }
   }
-  CHECK(count > 0);
-  CHECK(valid == count);
+  /// \param doubt  receives the least distance from contact of the balls that are free: where it is as small as
+  ///     rounding, the answers may differ
+  bool valid(View q, double& doubt) const {
+    std::vector<Pose3> poses;
+    model_.robot().poses(q, poses);
+    bool free = true;
+    std::vector<std::vector<Vec3>> centres(poses.size());
+    for (std::size_t b = 0; b < poses.size(); ++b) {
+      for (std::size_t i = 0; i < model_.bodies()[b].size(); ++i) {
+        centres[b].push_back((model_.base() * poses[b])(model_.bodies()[b][i].centre));
+        if (i == 0) continue;  // the ball about them all
+        const Vec3& c = centres[b].back();
+        const Configuration at = {c.x, c.y, c.z};
+        free = checkers_[b][i]->valid(at) && free;
+        doubt = std::min(doubt, checkers_[b][i]->valid(at) ? checkers_[b][i]->clearance(at) : doubt);
+      }
+    }
+    for (const auto& [a, b] : model_.pairs()) {
+      for (std::size_t i = 1; i < centres[a].size(); ++i) {
+        for (std::size_t j = 1; j < centres[b].size(); ++j) {
+          const double gap =
+              norm(centres[a][i] - centres[b][j]) - model_.bodies()[a][i].radius - model_.bodies()[b][j].radius;
+          doubt = std::min(doubt, std::abs(gap));
+          free = free && gap > 0.0;
+        }
+      }
+    }
+    return free;
+  }
+
+ private:
+  const SphereModel& model_;
+  std::vector<std::vector<std::unique_ptr<Checker>>> checkers_;
+};
+
+}  // namespace
+
+TEST_CASE("starts and goals of the Panda's problems are valid", "[collision][robot]") {
+  const std::string folder = test::scene("vamp_mbm").string();
+  if (folder.empty()) return;
+  ManipulatorFiles files;
+  files.urdf = folder + "/robots/panda/panda_spherized.urdf";
+  files.srdf = folder + "/robots/panda/panda.srdf";
+  files.group = "panda_arm";
+  std::vector<std::string> warnings;
+  const SphereModel robot = read_manipulator(files, warnings);
+  CHECK(robot.exact());
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder + "/panda_samples")) {
+    const std::string path = entry.path().string();
+    if (path.find("_scene") == std::string::npos) continue;
+    INFO(path);
+    const MoveitFile file = read_moveit(path, robot);
+    const auto scene = std::make_shared<ManipulatorScene>(file.world, robot);
+    const auto checker = make_checker("spheres", scene, scene->default_space(1.0), 0.05);
+    ++count;
+    CHECK(checker->valid(file.start));
+    CHECK(checker->valid(file.goal));
+  }
+  CHECK(count == 7);
+}
+
+TEST_CASE("what a manipulator touches is what FCL says of its balls one by one", "[collision][robot]") {
+  const SphereModel robot = six();
+  Stream stream(1, "0", "balls");
+  constexpr double rounding = 1e-9;
+  int valid = 0;
+  int invalid = 0;
+  for (int w = 0; w < 20; ++w) {
+    const bool mesh = w % 2 == 1;
+    const World3 world = random_world(stream, mesh);
+    const auto scene = std::make_shared<ManipulatorScene>(world, robot);
+    const Space space = scene->default_space(1.0);
+    const auto checker = make_checker("spheres", scene, space, 0.05);
+    const BallByBall other(world, robot);
+    Configuration q(space.dimension());
+    for (int i = 0; i < 100; ++i) {
+      space.sample_uniform(stream, q);
+      double doubt = 1.0;
+      const bool expected = other.valid(q, doubt);
+      if (doubt < rounding) continue;
+      INFO("world " << w << ", configuration " << i);
+      REQUIRE(checker->valid(q) == expected);
+      REQUIRE(checker->contact(q).has_value() != expected);
+      (expected ? valid : invalid) += 1;
+    }
+  }
+  CHECK(valid > 200);
+  CHECK(invalid > 200);
+}
+
+TEST_CASE("a motion is valid where the configurations that it is checked at are, and certified only where all are",
+          "[collision][robot]") {
+  const SphereModel robot = six();
+  Stream stream(2, "0", "motions");
+  int certified = 0;
+  int refuted = 0;
+  for (int w = 0; w < 10; ++w) {
+    const auto scene = std::make_shared<ManipulatorScene>(random_world(stream, w % 2 == 1), robot);
+    const Space space = scene->default_space(1.0);
+    const auto checker = make_checker("spheres", scene, space, 0.05);
+    Configuration a(space.dimension());
+    Configuration b(space.dimension());
+    Configuration q(space.dimension());
+    for (int i = 0; i < 60; ++i) {
+      space.sample_uniform(stream, a);
+      for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] + 0.8 * stream.normal();
+      space.reflect(b);
+      if (!checker->valid(a)) continue;
+      constexpr int parts = 2000;
+      bool all = true;
+      double clearance = std::numeric_limits<double>::infinity();
+      for (int k = 0; k <= parts; ++k) {
+        space.interpolate(a, b, static_cast<double>(k) / parts, q);
+        all = all && checker->valid(q);
+        if (all && k % 20 == 0) clearance = std::min(clearance, checker->clearance(q));
+      }
+      const bool valid = checker->motion(a, b).valid;
+      Certificate certificate{.tolerance = 1e-6 * 0.05};
+      checker->certify(a, b, certificate);
+      INFO("world " << w << ", motion " << i);
+      // The check of a motion may miss contact between its configurations, the certificate must not.
+      if (all) CHECK(valid);
+      if (certificate.valid()) {
+        CHECK(all);
+        CHECK(certificate.clearance <= clearance + 1e-9);
+      }
+      if (!all) CHECK_FALSE(certificate.valid());
+      certificate.valid() ? ++certified : ++refuted;
+    }
+  }
+  CHECK(certified > 50);
+  CHECK(refuted > 20);
 }
