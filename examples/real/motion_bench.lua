@@ -12,8 +12,9 @@ bench.scenarios = {
   "bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage", "table_pick", "table_under_pick",
 }
 
--- The problems of some scenarios whose start and goal are valid, named "box/0001". `number` selects by number.
-function bench.problems(robot, suffix, scenarios, number)
+-- The problems of some scenarios whose start and goal are valid, named "box/0001"; none where the archive is not
+-- unpacked. `number` selects by number.
+function bench.found(robot, suffix, scenarios, number)
   local all = {}
   for _, scenario in ipairs(scenarios) do
     for i = 1, 1000 do
@@ -23,6 +24,16 @@ function bench.problems(robot, suffix, scenarios, number)
         if problem.valid then all[#all + 1] = problem end
       end
     end
+  end
+  return all
+end
+
+-- The same; an error where there are none.
+function bench.problems(robot, suffix, scenarios, number)
+  local all = bench.found(robot, suffix, scenarios, number)
+  if #all == 0 then
+    local place = string.format("problems/%s_%s", scenarios[1], suffix)
+    error("no valid problem in " .. place .. " beside the script; motion_bench.lua says how to unpack the archive", 2)
   end
   return all
 end

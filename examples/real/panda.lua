@@ -11,7 +11,7 @@ local bench = require "motion_bench"
 local folder = "vamp_mbm/robots/panda/"
 local panda = robot.urdf(folder .. "panda_spherized.urdf", { srdf = folder .. "panda.srdf", group = "panda_arm" })
 
-local problems = bench.problems(panda, "panda", bench.scenarios)
+local problems = bench.found(panda, "panda", bench.scenarios)
 if #problems == 0 then
   for _, scenario in ipairs(bench.scenarios) do
     local file = "vamp_mbm/panda_samples/" .. scenario .. "_scene0001.yaml"
