@@ -219,7 +219,7 @@ void GridTube::choose_grid() {
   for (std::size_t g = 0; g < grid_axes_; ++g) {
     const double extent = frame_.extent(axes_[g]);
     const double wanted = std::ceil(extent / side);
-    cells_.push_back(wanted < 1.0 ? 1 : wanted > axis_limit ? axis_limit : static_cast<std::uint64_t>(wanted));
+    cells_.push_back(static_cast<std::uint64_t>(std::clamp(wanted, 1.0, static_cast<double>(axis_limit))));
     side_.push_back(extent / static_cast<double>(cells_.back()));
   }
 }

@@ -343,7 +343,7 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
       if (of_section != problems.end() && separated(*of_section)) {
         return fmt::format("no run on {} can succeed: obstacles separate start and goal", section.problem);
       }
-      if (const std::string narrow = of_section != problems.end() ? narrow_warning(*of_section) : ""; !narrow.empty()) {
+      if (std::string narrow = of_section != problems.end() ? narrow_warning(*of_section) : ""; !narrow.empty()) {
         return narrow;
       }
       return fmt::format(
