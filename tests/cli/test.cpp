@@ -80,7 +80,7 @@ TEST_CASE("a scenario that holds says so, in figures") {
                                      "  given the problem 'cup' of pair.lua\n"
                                      "  when  plain, hopeless on 6 seeds (1–6)\n"
                                      "  ok    plain solves at least 100 % of the seeds: 6 of 6 (100 %)\n"
-                                     "  ok    plain has at the root an efficiency above -50 nats: +"));
+                                     "  ok    plain has at the root an efficiency above -50 nats: the samples of all 6 seeds together are "));
   CHECK_THAT(outcome.out, EndsWith("\npassed: 1 scenario, 5 expectations\n"));
 }
 

@@ -22,7 +22,7 @@ scenario "regions along the medial axis find a doorway" (function()
   expect(guided, solves(at_least(0.95)))
   expect(guided, finds_paths())
   expect(guided, spends(fewer_than(plain).validity_checks().by(0.2)))
-  expect(guided, has_efficiency("root", above(plain)))
+  expect(guided, has_efficiency("root", above(plain), { part = "mass" }))
 end)
 
 scenario "a bias to the goal gains where nothing blocks the path" (function()

@@ -15,6 +15,7 @@
 using namespace trellis;
 using namespace trellis::trial;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
 using Catch::Matchers::StartsWith;
 
 namespace {
@@ -233,29 +234,72 @@ TEST_CASE("finds_paths: valid, and no longer than asked for") {
              StartsWith("plain finds valid paths longer than those of guided: "));
 }
 
-TEST_CASE("has_efficiency: the lower end of the interval of the mean, in nats above uniform") {
+TEST_CASE("has_efficiency: what the samples of all seeds together support") {
   const Said said = judge(plain(), has_efficiency("root", above(-100)));
   CHECK(said.holds);
-  CHECK_THAT(said.text, StartsWith("plain has at the root an efficiency above -100 nats: "));
-  CHECK_THAT(said.text, Contains(" nats above uniform on average of 12 runs, at least "));
+  CHECK_THAT(said.text, StartsWith("plain has at the root an efficiency above -100 nats: the samples of all 12 seeds "
+                                   "together are -") &&
+                            EndsWith(" nats above uniform"));
   const Said low = judge(plain(), has_efficiency("root", above(20)));
   CHECK_FALSE(low.holds);
-  CHECK_THAT(low.help, Contains("own space, own path"));
+  CHECK_THAT(low.help, Contains("as estimated from its own samples") && Contains("own space, own path"));
 
-  const Said better = judge(guided(), has_efficiency("root", above(plain())));
-  CHECK(better.holds);
-  CHECK_THAT(better.text, StartsWith("guided has at the root an efficiency above that of plain: a difference of +") &&
-                              Contains(", at least +"));
-  CHECK_FALSE(judge(plain(), has_efficiency("root", above(guided()))).holds);
-  CHECK_FALSE(judge(guided(), has_efficiency("root", above(plain()).by(50))).holds);
+  // Nearly all of its samples lie in the target. That they do not fill it shows only in all of them together.
+  const Said thin = judge(guided(), has_efficiency("root", above(0.4)));
+  CHECK_FALSE(thin.holds);
+  CHECK_THAT(thin.text,
+             Contains("; they lie in the target, +") && Contains(" but do not fill it ({ part = \"mass\" })"));
+  CHECK_THAT(judge(guided(), has_efficiency("root", above(plain()))).text,
+             Contains(" nats above uniform, those of plain -"));
+  CHECK_FALSE(judge(guided(), has_efficiency("root", above(plain()))).holds);
   CHECK_FALSE(judge(plain(), has_efficiency("root", above(plain()))).holds);
-  const Level lifted = Level("skeleton").lifted();
-  CHECK_THAT(judge(guided(), has_efficiency(lifted, above(-100))).text,
-             Contains("has at level skeleton (lifted) an efficiency"));
+  CHECK_THROWS_WITH(has_efficiency("root", above(0).with_confidence(0.99)),
+                    StartsWith("has_efficiency: what samples support is known with 95 % confidence, not 99 %"));
 
   const Said none = judge(hopeless(), has_efficiency("root", above(-100)));
   CHECK_FALSE(none.holds);
   CHECK_THAT(none.text, Contains("no run was scored: "));
+}
+
+TEST_CASE("has_efficiency: samples of known density are judged by it") {
+  const Level proposals = Level("root").expansion();
+  // The proposals of plain RRT: uniform but for the goal.
+  CHECK(judge(plain(), has_efficiency(proposals, above(-0.1))).holds);
+  CHECK_FALSE(judge(plain(), has_efficiency(proposals, above(0.1))).holds);
+  CHECK_FALSE(judge(guided(), has_efficiency(proposals, above(plain()))).holds);
+  const Said worse = judge(plain(), has_efficiency(proposals, above(guided()).by(1)));
+  INFO(worse.text);
+  CHECK(worse.holds);
+}
+
+TEST_CASE("has_efficiency: levels in their own space, and few seeds, are judged run by run") {
+  const Level lifted = Level("skeleton").lifted();
+  CHECK_THAT(judge(guided(), has_efficiency(lifted, above(-100))).text,
+             Contains("has at level skeleton (lifted) an efficiency") && Contains("of all 12 seeds together"));
+  const Said own = judge(guided(), has_efficiency("skeleton", above(-100)));
+  CHECK(own.holds);
+  CHECK_THAT(own.text, Contains(" nats above uniform, as far as its samples show, on average of 12 runs, at least -"));
+  const Trial few = trial_of("few", rrt(), 3);
+  CHECK_THAT(judge(few, has_efficiency("root", above(-100))).text, Contains("on average of 3 runs"));
+}
+
+TEST_CASE("has_efficiency: mass is counted, with the lower end of the interval of its mean") {
+  const Level mass = Level("root").mass();
+  const Said said = judge(guided(), has_efficiency(mass, above(0.5)));
+  CHECK(said.holds);
+  CHECK_THAT(said.text, StartsWith("guided has at the root a mass above 0.5 nats: +"));
+  CHECK_THAT(said.text, Contains(" nats of mass above uniform on average of 12 runs, at least "));
+  CHECK_FALSE(judge(guided(), has_efficiency(mass, above(20))).holds);
+  CHECK_THAT(judge(guided(), has_efficiency(mass, above(0.5).with_confidence(0.99))).text,
+             Contains("with 99 % confidence"));
+
+  const Said better = judge(guided(), has_efficiency(mass, above(plain())));
+  CHECK(better.holds);
+  CHECK_THAT(better.text, StartsWith("guided has at the root a mass above that of plain: a difference of +") &&
+                              Contains(", at least +"));
+  CHECK_FALSE(judge(plain(), has_efficiency(mass, above(guided()))).holds);
+  CHECK_FALSE(judge(guided(), has_efficiency(mass, above(plain()).by(50))).holds);
+  CHECK_FALSE(judge(plain(), has_efficiency(mass, above(plain()))).holds);
 }
 
 TEST_CASE("is_deterministic: counts make a budget that reproduces, seconds do not") {

@@ -121,6 +121,7 @@ const Settings<WhenSettings>& when_settings() {
 struct EfficiencySettings {
   bool expansion = false;
   bool root = false;
+  bool mass = false;
 };
 const Settings<EfficiencySettings>& efficiency_settings() {
   static const auto settings =
@@ -128,7 +129,10 @@ const Settings<EfficiencySettings>& efficiency_settings() {
           .choice("role", &EfficiencySettings::expansion, {{"tree", false}, {"expansion", true}},
                   "the level's nodes, or what its h proposed")
           .choice("target", &EfficiencySettings::root, {{"own", false}, {"root", true}},
-                  "in its own space on its own path, or lifted to the root on the root's");
+                  "in its own space on its own path, or lifted to the root on the root's")
+          .choice("part", &EfficiencySettings::mass, {{"all", false}, {"mass", true}},
+                  "the divergence by what the samples support, or its mass alone: how many more of them lie in the "
+                  "target than uniform ones");
   return settings;
 }
 
@@ -276,6 +280,7 @@ int make_has_efficiency(Stack& call) {
   trial::Level level(name);
   if (settings.expansion) level = level.expansion();
   if (settings.root) level = level.lifted();
+  if (settings.mass) level = level.mass();
   return call.result(trial::has_efficiency(level, nats));
 }
 
@@ -340,7 +345,8 @@ const std::vector<Function>& plain_functions() {
     all.push_back(
         {function_construct(
              "has_efficiency", R"(has_efficiency("root", above(0.5)))",
-             "a matcher: how many nats above uniform sampling a level samples, on average over seeds; more is better",
+             "a matcher: by how many nats a level samples above uniform sampling, as far as its samples show; more is "
+             "better",
              {{"level", "string|integer", "a level's name or number",
                "\"root\", \"lazy\", \"shrink(0.5)\", the route to the root as \"skeleton >> lazy\", or 0, 1, ...",
                true},

@@ -21,6 +21,7 @@ class Level {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] bool is_expansion() const { return expansion_; }
   [[nodiscard]] bool is_lifted() const { return lifted_; }
+  [[nodiscard]] bool is_mass() const { return mass_; }
 
   /// Selects the proposals of its h, instead of its tree.
   [[nodiscard]] Level expansion() const {
@@ -34,11 +35,18 @@ class Level {
     changed.lifted_ = true;
     return changed;
   }
+  /// Selects the mass alone: how many more of its samples lie in the target than uniform ones, however they cover it.
+  [[nodiscard]] Level mass() const {
+    Level changed = *this;
+    changed.mass_ = true;
+    return changed;
+  }
 
  private:
   std::string name_;
   bool expansion_ = false;
   bool lifted_ = false;
+  bool mass_ = false;
 };
 
 /// Returns the key of the level that a test names.

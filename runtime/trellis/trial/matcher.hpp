@@ -54,9 +54,13 @@ MatcherPointer spends(Criterion spending);
 /// All found paths lead from start to goal by valid motions; with a criterion, their median length (m) satisfies it.
 MatcherPointer finds_paths(std::optional<Criterion> length = {});
 
-/// Checks by how many nats the samples of a level exceed uniform sampling (more is better): the mean over the scored
-/// runs, by the lower bound of its Student t interval at the confidence.
-/// \throws Error for a criterion that is not a lower bound (`above`, `at_least`), or that names a quantity.
+/// Checks by how many nats the samples of a level exceed uniform sampling (more is better): what the samples support
+/// (`measure::supported_interval`, 95 %), so thin guidance is never taken for good guidance. Of the root and of lifted
+/// levels, with five seeds or more, the samples of all seeds are taken together; else the lower ends of the runs'
+/// intervals count, by the lower bound of Student's interval of their mean. Another trial is exceeded where the two
+/// intervals do. Of mass alone: by the lower bound of Student's interval of the runs' masses.
+/// \throws Error for a criterion that is not a lower bound (`above`, `at_least`), that names a quantity, or whose
+/// confidence is above 95 % where what samples support is judged.
 MatcherPointer has_efficiency(Level level, Criterion nats);
 
 /// Repeated runs give bitwise equal results on one thread and on several threads.

@@ -17,6 +17,7 @@
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/experiment/scoring.hpp>
+#include <trellis/measure/statistics.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis::trial {
@@ -51,17 +52,20 @@ struct Trial::State {
   Setup setup;
   Making making;
   std::vector<RunResult> runs = {};
+  std::vector<PooledScores> pooled = {};
   bool made = false;
   bool scored = false;
+  bool has_pooled = false;
 
-  [[nodiscard]] Experiment experiment() const {
+  /// \param cross  on how many paths of other seeds each run is scored
+  [[nodiscard]] Experiment experiment(std::int64_t cross = 0) const {
     Experiment one;
     one.problems = {setup.problem};
     one.strategies = {{setup.name, setup.strategy}};
     one.seeds = setup.seeds;
     one.shortcut = setup.shortcut;
     if (setup.measure) one.measure = *setup.measure;
-    one.measure->cross = 0;
+    one.measure->cross = cross;
     return one;
   }
 
@@ -86,6 +90,14 @@ struct Trial::State {
       }
     });
     return made_now;
+  }
+
+  /// Scores the runs, which are then released.
+  void score(ExperimentResult& result, const Experiment& of, ScoreScope scope) const {
+    const std::function<bool()> never = [] { return false; };
+    trellis::score(
+        of, result, jobs(), [] {}, making.interrupted ? making.interrupted : never, scope);
+    for (RunResult& run : result.runs) release(run);
   }
 
   [[nodiscard]] unsigned jobs() const {
@@ -119,24 +131,36 @@ const std::vector<RunResult>& Trial::runs() const {
 const std::vector<RunResult>& Trial::scored_runs() const {
   static_cast<void>(runs());
   if (state_->scored) return state_->runs;
-  const std::function<bool()> interrupted =
-      state_->making.interrupted ? state_->making.interrupted : [] { return false; };
   ExperimentResult result;
   result.runs = state_->runs;
-  score(
-      state_->experiment(), result, state_->jobs(), [] {}, interrupted);
-  for (RunResult& run : result.runs) release(run);
+  state_->score(result, state_->experiment(), ScoreScope::all);
   state_->runs = std::move(result.runs);
   state_->scored = true;
   return state_->runs;
+}
+
+const std::vector<PooledScores>& Trial::pooled_scores() const {
+  if (state_->has_pooled) return state_->pooled;
+  constexpr std::int64_t paths = 2;
+  if (setup().seeds.size() >= least_for_interval) {
+    ExperimentResult result;
+    // Scored runs have released what scoring needs.
+    result.runs = state_->scored ? state_->make(state_->jobs()) : runs();
+    state_->score(result, state_->experiment(paths), ScoreScope::overview);
+    state_->pooled = std::move(result.pooled);
+  }
+  state_->has_pooled = true;
+  return state_->pooled;
 }
 
 std::vector<RunResult> Trial::runs_again(unsigned jobs) const { return state_->make(jobs); }
 
 void Trial::forget() const {
   state_->runs.clear();
+  state_->pooled.clear();
   state_->made = false;
   state_->scored = false;
+  state_->has_pooled = false;
 }
 
 std::string Trial::replay(std::uint64_t seed) const {

@@ -12,6 +12,7 @@
 
 namespace trellis {
 struct Measure;
+struct PooledScores;
 struct RunResult;
 }  // namespace trellis
 
@@ -64,6 +65,9 @@ class Trial {
   [[nodiscard]] const std::vector<RunResult>& runs() const;
   /// As runs(), and scores their samples.
   [[nodiscard]] const std::vector<RunResult>& scored_runs() const;
+  /// Scores the samples of all seeds but one taken together, of each level, lifted to the root, on paths of the seed
+  /// left out. None with fewer than five seeds, without paths, and for a target that is not made from a path.
+  [[nodiscard]] const std::vector<PooledScores>& pooled_scores() const;
   /// Executes the runs again on `jobs` threads; does not store them.
   [[nodiscard]] std::vector<RunResult> runs_again(unsigned jobs) const;
 
