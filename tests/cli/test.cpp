@@ -76,11 +76,14 @@ TEST_CASE("a scenario that holds says so, in figures") {
   const auto outcome = place.run({"test", "it_test.lua"});
   INFO(outcome.err);
   CHECK(outcome.status == 0);
-  CHECK_THAT(outcome.out, StartsWith("\nscenario: the plain one gets there\n"
-                                     "  given the problem 'cup' of pair.lua\n"
-                                     "  when  plain, hopeless on 6 seeds (1–6)\n"
-                                     "  ok    plain solves at least 100 % of the seeds: 6 of 6 (100 %)\n"
-                                     "  ok    plain has at the root an efficiency above -50 nats: the samples of all 6 seeds together are "));
+  CHECK_THAT(
+      outcome.out,
+      StartsWith(
+          "\nscenario: the plain one gets there\n"
+          "  given the problem 'cup' of pair.lua\n"
+          "  when  plain, hopeless on 6 seeds (1–6)\n"
+          "  ok    plain solves at least 100 % of the seeds: 6 of 6 (100 %)\n"
+          "  ok    plain has at the root an efficiency above -50 nats: the samples of all 6 seeds together are "));
   CHECK_THAT(outcome.out, EndsWith("\npassed: 1 scenario, 5 expectations\n"));
 }
 

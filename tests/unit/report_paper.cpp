@@ -240,6 +240,13 @@ TEST_CASE("solved runs, checks and times have their intervals in the tables", "[
 TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
   auto [experiment, result] = fixture::passage();
   result.runs.front().problem = "a, \"b\"";
+  const auto scored = std::find_if(result.runs.begin() + 1, result.runs.end(),
+                                   [](const RunResult& run) { return run.levels.front().own.has_value(); });
+  REQUIRE(scored != result.runs.end());
+  Efficiency& measured_tree = scored->levels.front().own->tree;
+  measured_tree.parts.mass = 0.25;
+  measured_tree.value_lo = 0.5;
+  measured_tree.value_hi = 1.5;
   const auto lines = lines_of(runs_csv(result));
   REQUIRE(lines.size() == result.runs.size() + 1);
   std::vector<std::string> names;
@@ -266,7 +273,16 @@ TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
     CHECK(cells["levels"] == std::to_string(run.levels.size()));
     const auto& root = run.levels.front().own;
     CHECK(cells["tree_D_eps"].empty() == (!root || std::isnan(root->tree.value)));
-    if (!cells["tree_D_eps"].empty()) CHECK(std::stod(cells["tree_D_eps"]) == root->tree.value);
+    if (cells["tree_D_eps"].empty()) continue;
+    const Efficiency& tree = root->tree;
+    CHECK(std::stod(cells["tree_D_eps"]) == tree.value);
+    CHECK(std::stod(cells["tree_uniform"]) == tree.uniform);
+    const std::map<std::string, double> measured = {
+        {"tree_mass", tree.parts.mass}, {"tree_D_eps_lo", tree.value_lo}, {"tree_D_eps_hi", tree.value_hi}};
+    for (const auto& [name, value] : measured) {
+      CHECK(cells[name].empty() == std::isnan(value));
+      if (!cells[name].empty()) CHECK(std::stod(cells[name]) == value);
+    }
   }
 }
 

@@ -50,10 +50,16 @@ constexpr std::array columns = {
     Column{"accepted", "/levels/0/accepted"},
     Column{"nodes", "/levels/0/nodes"},
     Column{"tree_D_eps", "/levels/0/efficiency/tree/value"},
-    Column{"tree_gain", "/levels/0/efficiency/tree/gain"},
+    Column{"tree_D_eps_lo", "/levels/0/measure/tree/self/D_eps_lo"},
+    Column{"tree_D_eps_hi", "/levels/0/measure/tree/self/D_eps_hi"},
+    Column{"tree_mass", "/levels/0/measure/tree/self/D_eps_parts/mass"},
+    Column{"tree_uniform", "/levels/0/efficiency/tree/uniform"},
     Column{"tree_coverage", "/levels/0/efficiency/tree/coverage"},
     Column{"expansion_D_eps", "/levels/0/efficiency/expansion/value"},
-    Column{"expansion_gain", "/levels/0/efficiency/expansion/gain"},
+    Column{"expansion_D_eps_lo", "/levels/0/measure/expansion/self/D_eps_lo"},
+    Column{"expansion_D_eps_hi", "/levels/0/measure/expansion/self/D_eps_hi"},
+    Column{"expansion_mass", "/levels/0/measure/expansion/self/D_eps_parts/mass"},
+    Column{"expansion_uniform", "/levels/0/efficiency/expansion/uniform"},
     Column{"expansion_coverage", "/levels/0/efficiency/expansion/coverage"},
 };
 
