@@ -24,9 +24,13 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
   const RunRecord alone = execute(undivided(strategy.planner()), problem, seed);
   const BoundedLoss& law = guided.bounded;
   REQUIRE(law.bound > 1.0);
-  CHECK(guided.work == law.guided + law.unguided);
-  CHECK(guided.work <= law.bound * alone.work + law.constant + law.largest_step);
-  CHECK(law.unguided <= alone.work);
+  const auto checks = [](const RunRecord& run) { return static_cast<double>(run.validity_checks); };
+  CHECK(guided.work == law.guided.work + law.unguided.work);
+  CHECK(checks(guided) == law.guided.checks + law.unguided.checks);
+  CHECK(guided.work <= law.bound * alone.work + law.constant + law.largest_step.work);
+  CHECK(checks(guided) <= law.bound * checks(alone) + law.constant + law.largest_step.checks);
+  CHECK(law.unguided.work <= alone.work);
+  CHECK(law.unguided.checks <= checks(alone));
   // A run that the unguided planner solves is solved.
   if (alone.solved) CHECK(guided.solved);
   // The unguided planner beside the guided search does what it does alone.
@@ -40,7 +44,8 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
   }
   if (law.unguided_won) {
     CHECK(std::ranges::equal(guided.path.values(), alone.path.values()));
-    CHECK(law.unguided == alone.work);
+    CHECK(law.unguided.work == alone.work);
+    CHECK(law.unguided.checks == checks(alone));
   }
 }
 

@@ -70,8 +70,8 @@ inline testing::Matches SpendsLittleMoreThan(testing::Trial plain) {
   return testing::Matches(std::make_shared<LittleMore>(std::move(plain)));
 }
 
-/// Bounded loss, on each seed: a guide may mislead, and the run spends at most twice the work of its planner alone, 800
-/// checks, and one step.
+/// Bounded loss, on each seed: a guide may mislead, and the run spends at most twice the checks and the work of its
+/// planner alone, 800 of each, and one step.
 class BoundedLossHolds final : public trial::Matcher {
  public:
   explicit BoundedLossHolds(testing::Trial plain) : plain_(std::move(plain)) {}
@@ -84,14 +84,19 @@ class BoundedLossHolds final : public trial::Matcher {
     double worst = -std::numeric_limits<double>::infinity();
     for (const auto& [mine, others] : trial::pairs_of(guided.runs(), guided, plain_.runs(), plain_)) {
       const BoundedLoss& law = mine->run.bounded;
-      const double most = law.bound * others->run.work + law.constant + law.largest_step;
       const bool lost = others->run.solved && !mine->run.solved;
-      const double beyond = lost || law.bound == 0.0 ? std::numeric_limits<double>::infinity() : mine->run.work - most;
-      if (beyond <= worst) continue;
-      worst = beyond;
-      verdict.worst = mine->seed;
-      verdict.why_worst = fmt::format("{} work of at most {:g}; {:g} without guides{}", mine->run.work, most,
-                                      others->run.work, lost ? "; it lost a path" : "");
+      const auto compare = [&](const char* what, double cost, double alone, double step) {
+        const double most = law.bound * alone + law.constant + step;
+        const double beyond = lost || law.bound == 0.0 ? std::numeric_limits<double>::infinity() : cost - most;
+        if (beyond <= worst) return;
+        worst = beyond;
+        verdict.worst = mine->seed;
+        verdict.why_worst = fmt::format("{:g} {} of at most {:g}; {:g} without guides{}", cost, what, most, alone,
+                                        lost ? "; it lost a path" : "");
+      };
+      compare("work", mine->run.work, others->run.work, law.largest_step.work);
+      compare("checks", static_cast<double>(mine->run.validity_checks),
+              static_cast<double>(others->run.validity_checks), law.largest_step.checks);
     }
     verdict.holds = worst <= 0.0;
     if (verdict.holds) verdict.worst.reset();

@@ -154,8 +154,8 @@ TEST_CASE("an explanation says which parts a combinator has, and who pays for wh
                              "count at level 0"));
   CHECK_THAT(mixed, Contains("5 % are the goal, 4.75 % uniform, 90.25 % from h"));
   CHECK_THAT(mixed,
-             Contains("the run costs at most 2 (default) times the work of rrt without guides on the same seed"));
-  CHECK_THAT(mixed, Contains("set-up of all guides: about 181 checks, with 1 / 1000 (default) of what is kept") &&
+             Contains("the run costs at most 2 (default) times the checks and the work of rrt without guides on the same seed"));
+  CHECK_THAT(mixed, Contains("set-up of all guides: about 181 units of work, with 1 / 1000 (default) of what is kept") &&
                         Contains("it begins at once"));
   CHECK_THAT(line(bias >> shrink >> planner()),
              Contains("proposals from h cost at most 0.8 (bound - 1) = 0.8 times the work of the other proposals"));

@@ -310,7 +310,7 @@ TEST_CASE("the halves of a split are levels whose paths join", "[combinators][sp
 
 TEST_CASE("a split that no sub-goal solves is solved undivided", "[combinators][split]") {
   // Halves that may spend next to nothing.
-  const auto run = execute(shrink(0.5) >> split(rrt(), {.tries = 2, .effort = 3}), test::cup_problem(), 1);
+  const auto run = execute(shrink(0.5) >> split(unbounded(), {.tries = 2, .effort = 3}), test::cup_problem(), 1);
   CHECK(run.solved);
   const auto halves = std::count_if(run.levels.begin(), run.levels.end(),
                                     [](const LevelRecord& level) { return level.name.ends_with(" half"); });

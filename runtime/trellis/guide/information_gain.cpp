@@ -46,8 +46,9 @@ const Settings<InformationGainSettings>& information_gain_settings() {
 
 class InformationGain final : public Heuristic {
  public:
-  InformationGain(const Instance& parent, const InformationGainSettings& settings)
-      : space_(parent.space),
+  InformationGain(Instance& parent, const InformationGainSettings& settings)
+      : parent_(parent),
+        space_(parent.space),
         settings_(settings),
         reach_(settings.reach > 0.0 ? settings.reach : step_length(parent)),
         index_(parent.space),
@@ -55,6 +56,7 @@ class InformationGain final : public Heuristic {
 
   Source sample(Stream& stream, MutableView out) override {
     double most = -1.0;
+    parent_.checks.other += search_cost::neighbours * static_cast<double>(settings_.candidates);
     for (std::int64_t i = 0; i < settings_.candidates; ++i) {
       space_.sample_uniform(stream, candidate_);
       const double gain = this->gain(candidate_);
@@ -93,6 +95,7 @@ class InformationGain final : public Heuristic {
     return settings_.useful ? p * entropy : entropy;
   }
 
+  Instance& parent_;  ///< counts the work of the queries
   Space space_;
   InformationGainSettings settings_;
   double reach_;

@@ -129,18 +129,25 @@ struct Graph {
 struct Checks {
   std::uint64_t validity = 0;  ///< configurations, those on motions included
   std::uint64_t motion = 0;    ///< motions
+  std::uint64_t alone = 0;     ///< part of `validity`: not on motions
   /// Work that is neither checks nor proposals, in validity checks (search_cost): edges that a search of a graph
   /// considers, nodes and edges that a roadmap adds, distances from obstacles.
   double other = 0.0;
 };
 
-/// The work of searches in validity checks of 0.07 us, the time of one in the plane: from the CPU times of
-/// lazy >> rrt, workspace >> rrt and decomposition >> rrt in the worlds of scripts/pays --catalogue.
+/// The work of searches in units of 0.07 us in the plane, of 0.3 us in space: from the CPU times of the strategies of
+/// scripts/pays --catalogue. In the plane a check, one of many of a motion, takes less than a proposal, whose nearest
+/// neighbours are found; in space both take about the same.
 namespace search_cost {
-inline constexpr double edge = 1.0;       ///< an edge of a graph that a search considers
-inline constexpr double label = 0.03;     ///< an edge or vertex whose label the beginning of a search clears
-inline constexpr double node = 25.0;      ///< a node that a roadmap connects to its neighbours
-inline constexpr double clearance = 2.0;  ///< a distance from obstacles costs so much more than a check
+inline constexpr double planar_check = 0.3125;  // on a motion; sums of multiples of these are exact
+inline constexpr double planar_check_alone = 1.0;
+inline constexpr double planar_proposal = 4.5;
+inline constexpr double guided_proposal = 2.0;  ///< what a proposal costs more in a level that guides, or is guided
+inline constexpr double neighbours = 5.5;       ///< a query of k nearest neighbours
+inline constexpr double edge = 1.0;             ///< an edge of a graph that a search considers
+inline constexpr double label = 0.03;           ///< an edge or vertex whose label the beginning of a search clears
+inline constexpr double node = 25.0;            ///< a node that a roadmap connects to its neighbours
+inline constexpr double clearance = 2.0;        ///< a distance from obstacles costs so much more than a check
 }  // namespace search_cost
 
 /// A motion planning instance (C, validity, s, t, motion model): the input of a planner and of a guide's projection.
@@ -185,7 +192,10 @@ class Instance {
 
   /// Checks the state and counts the check.
   [[nodiscard]] bool valid(View q) {
-    if (validity->spends_checks()) ++checks.validity;
+    if (validity->spends_checks()) {
+      ++checks.validity;
+      ++checks.alone;
+    }
     return validity->state(q);
   }
   /// Whether the motion was verified since the last change of the instance.

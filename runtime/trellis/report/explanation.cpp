@@ -189,9 +189,10 @@ std::string bound_text(const LevelExplanation& level) {
   if (level.common.bound <= 0.0) return "none (bound = 0): h draws its share whatever it costs";
   if (has_companion(level)) {
     return fmt::format(
-        "the run costs at most {} times the work of {} without guides on the same seed, and {:g}: it runs beside the "
-        "guided search, and the first path wins; work, in validity checks: checks, proposals, searches of graphs, and "
-        "the set-up of guides",
+        "the run costs at most {} times the checks and the work of {} without guides on the same seed, and {:g} of "
+        "each: it runs beside the guided search, and the first path wins; work, CPU time by a model: checks, "
+        "proposals, "
+        "searches of graphs, and the set-up of guides",
         marked(level, "bound", level.common.bound), level.planner.name(), companion_constant);
   }
   return fmt::format(
@@ -203,7 +204,7 @@ std::string bound_text(const LevelExplanation& level) {
 
 std::string set_up_text(const LevelExplanation& level) {
   return fmt::format(
-      "of all guides: about {:.0f} checks, with 1 / {} of what is kept for the world; {}", level.set_up,
+      "of all guides: about {:.0f} units of work, with 1 / {} of what is kept for the world; {}", level.set_up,
       marked(level, "queries", level.common.queries),
       level.set_up <= companion_constant
           ? "it begins at once"

@@ -369,7 +369,8 @@ BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
     const BoundedLoss& law = run->run.bounded;
     if (law.bound == 0.0) continue;
     ++beside.runs;
-    if (law.guided + law.unguided > 0.0) shares.push_back(law.unguided / (law.guided + law.unguided));
+    const double all = law.guided.work + law.unguided.work;
+    if (all > 0.0) shares.push_back(law.unguided.work / all);
     beside.unguided_won += law.unguided_won ? 1 : 0;
     if (!law.guides_set_up) {
       ++beside.not_set_up;

@@ -13,9 +13,9 @@
 namespace trellis {
 
 /// Values that depend on a world and perhaps a key, each computed once while copies of the world live; of each world
-/// the last few keys are known. May be used by several threads: callers with the same world wait for its value, those
-/// with other worlds do not.
-template <class Value, class Key = std::monostate>
+/// the last few keys are known: `most_keys`, as a value may take some hundred megabytes. May be used by several
+/// threads: callers with the same world wait for its value, those with other worlds do not.
+template <class Value, class Key = std::monostate, std::size_t most_keys = 4>
 class CacheByWorld {
  public:
   /// \param world  has an identity that its copies share
@@ -38,9 +38,7 @@ class CacheByWorld {
   }
 
  private:
-  /// Of one world. A value may take some hundred megabytes.
-  static constexpr std::size_t most_keys = 4;
-
+  /// Of one world.
   struct Entry {
     std::mutex mutex;
     std::vector<std::pair<Key, std::shared_ptr<const Value>>> values;

@@ -14,21 +14,25 @@ class Companion {
   Companion(const StrategySpec& strategy, const Problem& problem, const Run& beside)
       : search_(begun(run_, beside), StrategySpec(undivided(strategy.planner())), problem) {}
 
-  /// Takes steps until its work reaches `work`, or until it ends.
+  /// Takes steps until both parts of its cost reach those of `cost`, or until it ends.
   /// \param clock  of the guided search, which stops meanwhile
-  void keep_up(double work, Clock& clock) {
-    if (search_.ended() || run_.work() >= work) return;
+  void keep_up(const RunCost& cost, Clock& clock) {
+    if (search_.ended() || has_reached(cost)) return;
     double* guided = clock.switch_to(nullptr);
     if (account_ != nullptr) run_.clock.switch_to(account_);
-    while (!search_.ended() && run_.work() < work) search_.step();
+    while (!search_.ended() && !has_reached(cost)) search_.step();
     account_ = run_.clock.switch_to(nullptr);
     clock.switch_to(guided);
   }
-  [[nodiscard]] double work() const { return run_.work(); }
+  [[nodiscard]] RunCost cost() const { return run_.cost(); }
   [[nodiscard]] RootSearch& search() { return search_; }
   [[nodiscard]] Run& run() { return run_; }
 
  private:
+  [[nodiscard]] bool has_reached(const RunCost& cost) const {
+    const RunCost own = run_.cost();
+    return own.checks >= cost.checks && own.work >= cost.work;
+  }
   static PlannerSpec undivided(const PlannerSpec& planner) {
     return planner.dividing() != nullptr ? undivided(planner.undivided()) : planner;
   }

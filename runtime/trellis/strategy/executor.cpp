@@ -75,7 +75,7 @@ class Running {
     run_.interrupted = options.interrupted;
     if (options.work_limit > 0.0) {
       run_.interrupted = [this] {
-        return (options_.interrupted && options_.interrupted()) || work() >= options_.work_limit;
+        return (options_.interrupted && options_.interrupted()) || cost().work >= options_.work_limit;
       };
     }
     run_.watch = options.watch;
@@ -111,7 +111,8 @@ class Running {
     }
     if (companion_ && !root_->certified() && !run_interrupted()) {
       // What the unguided planner finds, a guided run finds too.
-      companion_->keep_up(std::numeric_limits<double>::infinity(), run_.clock);
+      constexpr double all = std::numeric_limits<double>::infinity();
+      companion_->keep_up({all, all}, run_.clock);
       companion_decides_ = root_->status() == Status::interrupted || companion_->search().certified();
     }
     ended_ = true;
@@ -131,7 +132,7 @@ class Running {
       record.validity_checks += level->instance().checks.validity;
       record.motion_checks += level->instance().checks.motion;
     }
-    record.work = work();
+    record.work = cost().work;
     if (is_set_up_) record.set_up = set_up_work(*guides_, *problem_.scene, 1.0);
     record.set_up_seconds = set_up_seconds_;
     if (record.solved) add_path(record, decisive);
@@ -199,13 +200,13 @@ class Running {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() - run_.stopped;
   }
   /// Of all levels and the companion.
-  [[nodiscard]] double work() const { return run_.work() + (companion_ ? companion_->work() : 0.0); }
+  [[nodiscard]] RunCost cost() const { return companion_ ? run_.cost() + companion_->cost() : run_.cost(); }
   [[nodiscard]] bool run_interrupted() const { return run_.interrupted && run_.interrupted(); }
 
   /// Makes the levels of the guides.
   void set_up() {
     is_set_up_ = true;
-    guided_before_ = set_up_;
+    guided_before_ = {0.0, set_up_};
     const double before = elapsed();
     root_->level().guide_by(*guides_);
     set_up_seconds_ = elapsed() - before;
@@ -213,33 +214,42 @@ class Running {
   /// Lets the companion do as much work as the set-up costs, then makes the levels of the guides. Returns whether it
   /// did: not if the companion has ended before.
   bool set_up_after_companion() {
-    companion_->keep_up((set_up_ - companion_constant) / (bound_ - 1.0), run_.clock);
+    companion_->keep_up(wanted({0.0, set_up_}), run_.clock);
     const bool out_of_time = run_.out_of_time && run_.out_of_time();
-    if (run_interrupted() || out_of_time || companion_decides(set_up_)) return false;
+    if (run_interrupted() || out_of_time || companion_decides({0.0, set_up_})) return false;
     set_up();
     return true;
   }
-  /// Whether the companion has ended, and with a path or before more guided work is permitted.
-  [[nodiscard]] bool companion_decides(double guided) {
+  /// The cost that the companion must have had before the guided search, which has cost so much, may go on.
+  [[nodiscard]] RunCost wanted(const RunCost& guided) const {
+    const double share = 1.0 / (bound_ - 1.0);
+    return {share * (guided.checks - companion_constant), share * (guided.work - companion_constant)};
+  }
+  /// Whether the companion has ended, and with a path or before the guided search may go on.
+  [[nodiscard]] bool companion_decides(const RunCost& guided) {
     const RootSearch& other = companion_->search();
-    return other.ended() && (other.certified() || guided > (bound_ - 1.0) * companion_->work() + companion_constant);
+    if (!other.ended() || other.certified()) return other.ended();
+    const RunCost most = wanted(guided);
+    const RunCost done = companion_->cost();
+    return most.checks > done.checks || most.work > done.work;
   }
 
   /// Called before each step of the guided search: lets the companion catch up. Returns whether the run ends.
   bool companion_ends_run() {
     if (ending_) return true;
-    const double guided = run_.work();
-    companion_->keep_up((guided - companion_constant) / (bound_ - 1.0), run_.clock);
+    const RunCost guided = run_.cost();
+    companion_->keep_up(wanted(guided), run_.clock);
     ending_ = companion_decides(guided);
     // What the levels still do while they end counts with the step before.
     if (!ending_) note_step();
     return ending_;
   }
 
-  /// Notes the work of the last step of the guided search.
+  /// Notes the cost of the last step of the guided search.
   void note_step() {
-    const double guided = run_.work();
-    largest_step_ = std::max(largest_step_, guided - guided_before_);
+    const RunCost guided = run_.cost();
+    const RunCost step = guided - guided_before_;
+    largest_step_ = {std::max(largest_step_.checks, step.checks), std::max(largest_step_.work, step.work)};
     guided_before_ = guided;
   }
 
@@ -270,8 +280,8 @@ class Running {
     record.bounded = {.bound = bound_,
                       .constant = companion_constant,
                       .largest_step = largest_step_,
-                      .guided = run_.work(),
-                      .unguided = companion_->work(),
+                      .guided = run_.cost(),
+                      .unguided = companion_->cost(),
                       .set_up = is_set_up_ ? run_.set_up : set_up_,
                       .guides_set_up = is_set_up_,
                       .unguided_won = companion_decides_ && record.solved,
@@ -320,8 +330,8 @@ class Running {
   bool is_set_up_ = false;
   std::optional<RootSearch> root_;
   std::optional<Companion> companion_;
-  double guided_before_ = 0.0;  ///< work of the guided search before its last step
-  double largest_step_ = 0.0;
+  RunCost guided_before_;  ///< of the guided search before its last step
+  RunCost largest_step_;
   bool ending_ = false;  ///< the companion has ended the run
   bool companion_decides_ = false;
   bool ended_ = false;

@@ -113,22 +113,30 @@ struct Turn {
   Configurations path;       ///< path of the solve that ended; empty if none ended or no path was found
 };
 
-/// The constant of bounded loss, in validity checks.
+/// What searches cost, counted twice.
+struct RunCost {
+  double checks = 0.0;  ///< of configurations
+  double work = 0.0;    ///< CPU time by a model, in units of search_cost: checks, proposals, searches of graphs, set-up
+
+  friend RunCost operator+(const RunCost& a, const RunCost& b) { return {a.checks + b.checks, a.work + b.work}; }
+  friend RunCost operator-(const RunCost& a, const RunCost& b) { return {a.checks - b.checks, a.work - b.work}; }
+};
+
+/// The constant of bounded loss, of checks and of work.
 inline constexpr double companion_constant = 800.0;
 
-/// The shares of a guided run in its work, in validity checks: checks, proposals, what searches of graphs do besides,
-/// and the set-up of guides. Bounded loss: guided + unguided <=
-/// bound * U + constant + largest_step, where U is the work of the same planner without guides on this seed, which is
+/// The shares of a guided run in its cost. Bounded loss, of checks as of work: guided + unguided <=
+/// bound * U + constant + largest_step, where U is the cost of the same planner without guides on this seed, which is
 /// at least `unguided`.
 struct BoundedLoss {
   double bound = 0.0;  ///< 0: the guided search ran alone
   double constant = 0.0;
-  double largest_step = 0.0;   ///< of the guided search: work between two places where it can wait, or up to its end
-  double guided = 0.0;         ///< of all levels
-  double unguided = 0.0;       ///< of the planner that ran beside them without guides
-  double set_up = 0.0;         ///< of the guides: part of `guided`, or an estimate where they were not set up
-  bool guides_set_up = false;  ///< false: the unguided planner ended before it had done as much work as that
-  bool unguided_won = false;   ///< it found the path
+  RunCost largest_step;  ///< of the guided search: between two places where it can wait, or up to its end
+  RunCost guided;        ///< of all levels
+  RunCost unguided;      ///< of the planner that ran beside them without guides
+  double set_up = 0.0;   ///< work of the guides' set-up: part of `guided`, or an estimate where they were not set up
+  bool guides_set_up = false;            ///< false: the unguided planner ended before it had done as much work as that
+  bool unguided_won = false;             ///< it found the path
   std::uint64_t unguided_proposals = 0;  ///< the last proposals of level 0
 };
 
@@ -144,8 +152,8 @@ struct RunRecord {
   std::uint64_t motion_checks = 0;
   /// Part of `validity_checks`: those of an anytime planner after its first path, spent on shorter ones.
   std::uint64_t improvement_checks = 0;
-  double work = 0.0;  ///< of all levels, in validity checks: see BoundedLoss
-  /// The work to set up the guides for this run alone, in validity checks; 0 where they were not set up. `work` counts
+  double work = 0.0;  ///< of all levels: see RunCost
+  /// The work to set up the guides for this run alone; 0 where they were not set up. `work` counts
   /// one part in `queries` of what depends on the world alone, as its medial axis.
   double set_up = 0.0;
   double set_up_seconds = 0.0;        ///< part of `seconds`: the time to set up the guides
@@ -174,7 +182,7 @@ struct ExecuteOptions {
   bool lift = true;  ///< whether records of lower levels get their nodes and proposals in the root's space
   /// False: no unguided planner runs beside a guided search, whatever `bound` says, and guides are set up at once.
   bool companion = true;
-  /// Work of all levels, in validity checks, at which the run ends with Status::interrupted; 0: no limit.
+  /// Work of all levels at which the run ends with Status::interrupted; 0: no limit.
   double work_limit = 0.0;
 };
 

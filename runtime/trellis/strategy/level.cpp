@@ -24,11 +24,9 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
 }
 
-double Run::work() const {
-  double sum = set_up;
-  for (const Level* level : levels) {
-    sum += level->spent();
-  }
+RunCost Run::cost() const {
+  RunCost sum{0.0, set_up};
+  for (const Level* level : levels) sum = sum + level->cost();
   return sum;
 }
 
@@ -75,6 +73,22 @@ double Level::own_work() const {
          instance_->checks.other;
 }
 
+RunCost Level::cost() const {
+  const bool in_space = instance_->scene != nullptr && instance_->scene->world_dimension() == 3;
+  const auto checks = static_cast<double>(instance_->checks.validity);
+  const double proposals = static_cast<double>(record_.search.proposals.size()) - absorbed_;
+  const auto alone = static_cast<double>(instance_->checks.alone);
+  const double guided = parent_ != nullptr || guidance_.guide() != nullptr ? search_cost::guided_proposal : 0.0;
+  double work = guided * proposals + instance_->checks.other;
+  if (in_space) {
+    work += checks + proposals;
+  } else {
+    work += search_cost::planar_check * (checks - alone) + search_cost::planar_check_alone * alone +
+            search_cost::planar_proposal * proposals;
+  }
+  return {checks, work};
+}
+
 double Level::work() const {
   const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
   return own_work() + below - guidance_.deducted();
@@ -83,6 +97,7 @@ double Level::work() const {
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
   instance->checks.validity += instance_->checks.validity;
   instance->checks.motion += instance_->checks.motion;
+  instance->checks.alone += instance_->checks.alone;
   instance->checks.other += instance_->checks.other;
   instance->revision = instance_->epoch() + 1;
   instance->step = instance_->step;

@@ -60,7 +60,7 @@ struct Run {
   RunShared shared;
   bool companion = false;  ///< it runs beside another run: its levels have the number -1
   double queries = 1.0;    ///< runs that share what is set up for the world
-  double set_up = 0.0;     ///< work of setting up guides, in validity checks
+  double set_up = 0.0;     ///< work of setting up guides
   /// Called before each step of each level. Returns whether the run ends.
   std::function<bool()> before_step;
   /// Whether the time of the run is over, by the root's budget of seconds. Empty without such a budget.
@@ -69,8 +69,8 @@ struct Run {
   /// Counts the set-up of a guide's space. What depends on the world alone counts once in a run, with one part in
   /// `queries`.
   void count_set_up(const GuideSpec& guide, const Scene& scene);
-  /// Work of all levels, in validity checks.
-  [[nodiscard]] double work() const;
+  /// Of all levels.
+  [[nodiscard]] RunCost cost() const;
 
  private:
   std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
@@ -417,8 +417,8 @@ class Level {
   Advance advance(double proposals, const Slice& slice);
   /// Work of this level, in validity checks: checks, proposals, and what searches of graphs do besides.
   [[nodiscard]] double own_work() const;
-  /// The same without proposals that its search has from other levels.
-  [[nodiscard]] double spent() const { return own_work() - absorbed_; }
+  /// What this level costs, without proposals that its search has from other levels.
+  [[nodiscard]] RunCost cost() const;
   /// Called when its search has received the proposals of a half.
   void note_absorbed(std::size_t proposals) { absorbed_ += static_cast<double>(proposals); }
   /// Work of this level and all below it, less what is deducted for progress.

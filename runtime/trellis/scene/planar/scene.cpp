@@ -78,7 +78,8 @@ std::shared_ptr<const Scene> PlanarScene::eroded(double distance) const {
 }
 
 std::shared_ptr<const Scene> PlanarScene::aggregated(double error) const {
-  static CacheByWorld<World, double> cache;
+  constexpr std::size_t most_errors = 20;  // each of a sequence of refinements
+  static CacheByWorld<World, double, most_errors> cache;
   return std::make_shared<PlanarScene>(
       *cache.get(world, error, [&](const World& of) { return trellis::aggregated(of, error); }), robot);
 }

@@ -89,7 +89,8 @@ std::shared_ptr<const Scene> SpatialScene::eroded(double distance) const {
 }
 
 std::shared_ptr<const Scene> SpatialScene::aggregated(double error) const {
-  static CacheByWorld<World3, double> cache;
+  constexpr std::size_t most_errors = 20;  // each of a sequence of refinements
+  static CacheByWorld<World3, double, most_errors> cache;
   return std::make_shared<SpatialScene>(
       *cache.get(world, error, [&](const World3& of) { return trellis::aggregated(of, error); }), robot);
 }
