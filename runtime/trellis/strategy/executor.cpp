@@ -220,12 +220,12 @@ class Running {
     set_up();
     return true;
   }
-  /// The cost that the companion must have had before the guided search, which has cost so much, may go on.
+  /// The cost that the companion must have had before the guided search, which has cost so much, continues.
   [[nodiscard]] RunCost wanted(const RunCost& guided) const {
     const double share = 1.0 / (bound_ - 1.0);
     return {share * (guided.checks - companion_constant), share * (guided.work - companion_constant)};
   }
-  /// Whether the companion has ended, and with a path or before the guided search may go on.
+  /// Whether the companion has ended, and with a path or before the guided search may continue.
   [[nodiscard]] bool companion_decides(const RunCost& guided) {
     const RootSearch& other = companion_->search();
     if (!other.ended() || other.certified()) return other.ended();
