@@ -153,10 +153,13 @@ TEST_CASE("an explanation says which parts a combinator has, and who pays for wh
   CHECK_THAT(mixed, Contains("h validates edges of the path found at level 1 in the space of level 0, and their checks "
                              "count at level 0"));
   CHECK_THAT(mixed, Contains("5 % are the goal, 4.75 % uniform, 90.25 % from h"));
+  CHECK_THAT(
+      mixed,
+      Contains(
+          "the run costs at most 2 (default) times the checks and the work of rrt without guides on the same seed"));
   CHECK_THAT(mixed,
-             Contains("the run costs at most 2 (default) times the checks and the work of rrt without guides on the same seed"));
-  CHECK_THAT(mixed, Contains("set-up of all guides: about 181 units of work, with 1 / 1000 (default) of what is kept") &&
-                        Contains("it begins at once"));
+             Contains("set-up of all guides: about 181 units of work, with 1 / 1000 (default) of what is kept") &&
+                 Contains("it begins at once"));
   CHECK_THAT(line(bias >> shrink >> planner()),
              Contains("proposals from h cost at most 0.8 (bound - 1) = 0.8 times the work of the other proposals"));
   const std::string once = line(GuideSpec::make("skeleton", {}) >> PlannerSpec::make("rrt", {{"queries", 1.0}}));
