@@ -90,6 +90,14 @@ OutputFolder::~OutputFolder() {
   if (!made_.empty()) fs::remove(made_, ignored);
 }
 
+void name_documents(std::vector<std::string>& paths) {
+  for (std::string& path : paths) {
+    std::error_code ignored;
+    const fs::path document = fs::path(path) / "results.json";
+    if (fs::is_directory(path, ignored) && fs::is_regular_file(document, ignored)) path = document.string();
+  }
+}
+
 void print_stderr(std::string_view text) { static_cast<void>(write_all(STDERR_FILENO, printable(text))); }
 
 void print_message(std::string_view message) { print_stderr(fmt::format("trellis: {}\n", message)); }

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <trellis/base/error.hpp>
 
@@ -26,6 +27,9 @@ class OutputFolder {
  private:
   std::string made_;  // the created folder, "" if it existed before
 };
+
+/// Replaces the name of each folder of --out by that of the document of results in it.
+void name_documents(std::vector<std::string>& paths);
 
 // All text leaves for the terminal here. What a terminal would obey is printed as its code (trellis::printable).
 
