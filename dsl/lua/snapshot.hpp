@@ -10,6 +10,8 @@
 
 namespace trellis::lua {
 
+class Reference;
+
 /// The values that functions of a script can reach: those in the globals, in the loaded modules, in the metatable of
 /// strings, and in the upvalues of functions, at any depth. Shows whether a later call has changed any of them.
 ///

@@ -87,7 +87,7 @@ std::string without_traceback(const std::string& message) {
 
 void complain(const std::string& message) {
   std::fflush(stdout);
-  print_stderr(message + "\n");
+  print_stderr(broken_at_words(message + "\n", STDERR_FILENO));
 }
 
 /// Prints a value; for a session command without call parentheses, its usage.

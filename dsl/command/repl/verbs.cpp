@@ -2,6 +2,7 @@
 #include <dsl/command/repl/verbs.hpp>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -83,6 +84,9 @@ constexpr std::array<Verb, 23> all_verbs = {{
     {"source", "source(\"scenes.cup\")", "the lines that define a function, as scenes.cup??"},
     {"quit", "quit()", "ends the session, as exit and Ctrl-D do"},
 }};
+
+/// Prints sentences, which break between words.
+void say_words(const std::string& text) { print_all(broken_at_words(text + "\n", STDOUT_FILENO)); }
 
 void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
 
@@ -256,7 +260,7 @@ class Verbs {
   int go_on(Stack& call) {
     Run& run = *only_run(call, "continue");
     go_on(run, std::numeric_limits<std::uint64_t>::max());
-    say(outcome_text(run));
+    say_words(outcome_text(run));
     return 0;
   }
 
@@ -751,7 +755,7 @@ class Verbs {
                                            .seed = seed,
                                            .typed_strategy = typed(0),
                                            .typed_problem = typed(1)};
-    say(outcome_text(*run));
+    say_words(outcome_text(*run));
     return announce(call, run);
   }
 

@@ -57,8 +57,8 @@ struct SessionState {
     std::string problem;
     Problem instance;
     std::uint64_t seed = 1;
-    std::string typed_strategy = "";  ///< the arguments of plan or start as they were typed; "" if not known
-    std::string typed_problem = "";
+    std::string typed_strategy{};  ///< the arguments of plan or start as they were typed; "" if not known
+    std::string typed_problem{};
   };
   std::optional<Planned> planned;
   std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments

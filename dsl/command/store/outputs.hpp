@@ -33,6 +33,10 @@ void name_documents(std::vector<std::string>& paths);
 
 // All text leaves for the terminal here. What a terminal would obey is printed as its code (trellis::printable).
 
+/// Breaks lines that are longer than a terminal is wide between words, where the file is a terminal.
+/// \param file  a file descriptor
+std::string broken_at_words(std::string_view text, int file);
+
 /// Prints to stderr. Where that fails, as on a full disk or where the caller closed stderr, the text is lost and the
 /// command continues.
 void print_stderr(std::string_view text);
