@@ -85,8 +85,14 @@ constexpr std::array<Verb, 23> all_verbs = {{
     {"quit", "quit()", "ends the session, as exit and Ctrl-D do"},
 }};
 
-/// Prints sentences, which break between words.
-void say_words(const std::string& text) { print_all(broken_at_words(text + "\n", STDOUT_FILENO)); }
+/// Prints the result of a run. Where a line of the terminal is too short, the costs follow on the next one: a break
+/// that depended on the digits of the time would be another one each time.
+void say_outcome(const Run& run) {
+  std::string text = outcome_text(run) + "\n";
+  const std::size_t colon = text.find(": ", text.find(", seed "));
+  if (colon != std::string::npos && broken_at_words(text, STDOUT_FILENO) != text) text.replace(colon + 1, 1, "\n  ");
+  print_all(broken_at_words(text, STDOUT_FILENO));
+}
 
 void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
 
@@ -260,7 +266,7 @@ class Verbs {
   int go_on(Stack& call) {
     Run& run = *only_run(call, "continue");
     go_on(run, std::numeric_limits<std::uint64_t>::max());
-    say_words(outcome_text(run));
+    say_outcome(run);
     return 0;
   }
 
@@ -519,7 +525,7 @@ class Verbs {
   int help(Stack& call) const {
     const std::size_t columns = std::min(state_.screen().columns, dsl::help_width);
     if (!call[1].given()) {
-      say(names_text(columns));
+      say(names_text(columns, state_.screen().rows));
       return 0;
     }
     const std::string verb = call[1].type() == Type::object ? "" : verb_of(call, call[1]);
@@ -755,7 +761,7 @@ class Verbs {
                                            .seed = seed,
                                            .typed_strategy = typed(0),
                                            .typed_problem = typed(1)};
-    say_words(outcome_text(*run));
+    say_outcome(*run);
     return announce(call, run);
   }
 
@@ -989,7 +995,7 @@ std::string verbs_text(std::string_view name, std::size_t width) {
   return text;
 }
 
-std::string names_text(std::size_t width) {
+std::string names_text(std::size_t width, std::size_t rows) {
   std::string text;
   const auto list = [&](const std::string& title, const std::vector<std::string>& names) {
     text += wrap(fmt::format("{}", fmt::join(names, " ")), width, title + ": ", "  ");
@@ -1011,6 +1017,8 @@ std::string names_text(std::size_t width) {
     }
     list(title, names);
   }
+  std::string modules;
+  std::swap(text, modules);
   for (const dsl::Word& module : dsl::words()) {
     if (module.kind != Kind::module) continue;
     names.clear();
@@ -1019,9 +1027,21 @@ std::string names_text(std::size_t width) {
     }
     list(module.name, names);
   }
+  std::swap(text, modules);
   constexpr const char* more =
       R"(help "shrink" explains a word, help "session" the functions of a session, help "words" lists all with a line each)";
-  return text + '\n' + wrap(more, width, "", "");
+  const std::string end = '\n' + wrap(more, width, "", "");
+  const auto lines = [](const std::string& part) {
+    return static_cast<std::size_t>(std::count(part.begin(), part.end(), '\n'));
+  };
+  // The prompt has a line, too.
+  if (lines(text) + lines(modules) + lines(end) < rows) return text + modules + end;
+  names.clear();
+  for (const dsl::Word& module : dsl::words()) {
+    if (module.kind == Kind::module) names.push_back(module.name);
+  }
+  list("modules", names);
+  return text + end;
 }
 
 Value push_verbs(Stack& stack) { return stack.push_hidden("session commands"); }

@@ -33,7 +33,8 @@ bool is_command(std::string_view name);
 std::string verbs_text(std::string_view name = "", std::size_t width = dsl::help_width);
 
 /// Returns the names of the session commands and of the words of the language, by kind, on one screen.
-std::string names_text(std::size_t width = dsl::help_width);
+/// \param rows  of the screen; where the words of modules do not fit, it names the modules alone
+std::string names_text(std::size_t width = dsl::help_width, std::size_t rows = 45);
 
 /// The state that the session commands share.
 struct SessionState {
