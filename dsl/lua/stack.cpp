@@ -24,13 +24,13 @@ int collect(lua_State* state) {
   return 0;
 }
 
-namespace {
-
 int call_back(lua_State* state) {
   const auto& object = *static_cast<const std::unique_ptr<Object>*>(lua_touserdata(state, lua_upvalueindex(1)));
   if (!object) return luaL_error(state, "the interpreter is closing");
   return Guard::run(state, static_cast<const Boxed<Callback>&>(*object).value);
 }
+
+namespace {
 
 /// The default of __newindex.
 int refuse_assignment(Stack& call) {

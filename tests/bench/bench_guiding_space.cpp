@@ -4,8 +4,8 @@
 //
 //   bench_guiding_space [ROUNDS]
 //
-// The result includes loading the script, which each run does; the benchmark also prints that time, as `check` has it,
-// which creates a run's levels without searching.
+// The result includes loading the script where a run does; the benchmark also prints the time that `check` takes,
+// which creates the levels of a run without searching.
 #include <fmt/format.h>
 #include <time.h>
 

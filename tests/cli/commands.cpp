@@ -461,6 +461,8 @@ TEST_CASE("check names inputs that are valid and probably mistakes") {
       {"p = scenes.trap()\n" + strategies("a = rrt { step = 0.5 }, b = skeleton() >> rrt { step = 1 }"),
        "strategy 'b': its step is 1 m, and that of the baseline 'a' 0.5 m: the comparison shows the step and the guide "
        "together"},
+      {"local world = world { bounds = {0, 0, 10, 10} }\np = scenes.trap()\n" + strategies("a = rrt {}"),
+       "hint.lua:1: nothing uses the local 'world', which hides the word of the language"},
       {"p = scenes.trap()\n" + strategies("a = rrt {}", ", seed = 15"),
        "hint.lua:2: experiment: seed = 15 runs the seed 15 alone; seeds = 15 runs the seeds 1 to 15"},
       {"p = scenes.trap()\n" + strategies("a = rrt {}", ", seeds = {1, 2}, seed = 15"),
@@ -477,6 +479,9 @@ TEST_CASE("check names inputs that are valid and probably mistakes") {
   }
   for (const std::string& script :
        {"p = " + problem("robot.rectangle(0.6, 0.2)") + "\n" + strategies("a = rrt {}, b = skeleton() >> rrt {}"),
+        "local world = world { bounds = {0, 0, 10, 10} }\n"
+        "p = problem { world = world, robot = robot.disc(0.2), start = {1, 1}, goal = {9, 9} }\n" +
+            strategies("a = rrt {}"),
         "p = scenes.trap()\n" + strategies("a = informed() >> rrt_star {}, b = informed { cost = 20 } >> rrt {}"),
         "p = scenes.trap()\n" +
             strategies("a = rrt { step = 1 }, b = rrt { step = 2 }, c = skeleton() >> rrt { step = 2 }",

@@ -26,9 +26,16 @@
 //
 //   <!-- figures: 2.18 | 0.42 -->  each stands in the block above
 //
+// Every other figure of three digits, or with a decimal point, in prose below an output and above the next heading is
+// a number of that output, perhaps rounded, but for those that a comment between them names:
+//
+//   <!-- other figures: 0.07 | 2.3 = 1010 / 447 -->  given elsewhere; or made of two numbers of the output
+//
 // TRELLIS_DOCUMENT=docs/tutorials/tutorial.md in the environment reads one document only. With TRELLIS_UPDATE_GOLDEN
 // set, what is shown is written anew where it is not what is printed, to be read before it is kept.
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -482,6 +489,133 @@ TEST_CASE("figures that prose quotes stand in the block above it", "[documents]"
         CHECK_FALSE(figure.empty());
         const std::string exact = std::regex_replace(figure, std::regex(R"([.\[\](){}*+?^$|\\])"), R"(\$&)");
         CHECK(std::regex_search(block, std::regex("(^|[^0-9.])" + exact + "($|[^0-9])")));
+      }
+    }
+  }
+}
+
+namespace {
+
+/// A number as it is written, and its value.
+struct Figure {
+  std::string text;
+  double value = 0.0;
+};
+
+/// Returns the numbers of a text: 12500, 12,500, 0.07, 1e-06; not those within words, versions or paths.
+std::vector<Figure> figures_of(const std::string& text, bool prose) {
+  std::vector<Figure> figures;
+  const auto digit = [&](std::size_t i) {
+    return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i]));
+  };
+  const auto word = [&](std::size_t i) {
+    return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_' || text[i] == '/');
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const bool begins =
+        digit(at) &&
+        (at == 0 || (!word(at - 1) && text[at - 1] != '.' && text[at - 1] != '#' && (!prose || text[at - 1] != '-')));
+    if (!begins) {
+      ++at;
+      continue;
+    }
+    std::size_t end = at;
+    std::string digits;
+    bool point = false;
+    while (digit(end) || (text[end] == '.' && !point && digit(end + 1)) ||
+           (text[end] == ',' && digit(end + 1) && digit(end + 2) && digit(end + 3) && !digit(end + 4))) {
+      point = point || text[end] == '.';
+      if (text[end] != ',') digits += text[end];
+      ++end;
+      if (end >= text.size()) break;
+    }
+    if (!prose && end < text.size() && text[end] == 'e') {
+      const std::size_t sign = end + 1 < text.size() && (text[end + 1] == '-' || text[end + 1] == '+') ? 1 : 0;
+      if (digit(end + 1 + sign)) {
+        digits += text.substr(end, 1 + sign);
+        for (end += 1 + sign; digit(end); ++end) digits += text[end];
+      }
+    }
+    const bool whole = !word(end) && !(end < text.size() && text[end] == '.' && digit(end + 1));
+    if (whole && (!prose || point || digits.size() >= 3)) {
+      figures.push_back({text.substr(at, end - at), std::strtod(digits.c_str(), nullptr)});
+    }
+    at = std::max(end, at + 1);
+  }
+  return figures;
+}
+
+/// Whether a value rounds to a figure of prose: to its last digit, or for 12500 to its last that is not 0.
+bool rounds_to(double value, const Figure& figure) {
+  const std::size_t point = figure.text.find('.');
+  double unit = 1.0;
+  if (point != std::string::npos) {
+    for (std::size_t i = point + 1; i < figure.text.size(); ++i) unit /= 10.0;
+  } else {
+    for (std::size_t i = figure.text.size(); i > 1 && (figure.text[i - 1] == '0' || figure.text[i - 1] == ','); --i) {
+      if (figure.text[i - 1] == '0') unit *= 10.0;
+    }
+  }
+  return std::abs(value - figure.value) <= 0.5001 * unit;
+}
+
+/// Reads "0.07 | 2.3 = 1010 / 447": figures that prose has from elsewhere, and quotients of numbers of the output.
+void read_other_figures(const std::string& text, const std::vector<Figure>& output, std::vector<std::string>& known) {
+  std::istringstream entries(text);
+  for (std::string entry; std::getline(entries, entry, '|');) {
+    entry = std::regex_replace(entry, std::regex("^ +| +$"), "");
+    std::smatch parts;
+    if (std::regex_match(entry, parts, std::regex("(.+) = (.+) / (.+)"))) {
+      const double a = std::strtod(parts[2].str().c_str(), nullptr);
+      const double b = std::strtod(parts[3].str().c_str(), nullptr);
+      for (const double x : {a, b}) {
+        INFO(entry << ": the output above has no " << x);
+        CHECK(std::any_of(output.begin(), output.end(), [&](const Figure& f) { return f.value == x; }));
+      }
+      INFO(entry);
+      CHECK(rounds_to(a / b, {parts[1].str(), std::strtod(parts[1].str().c_str(), nullptr)}));
+      entry = parts[1].str();
+    }
+    known.push_back(entry);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("figures in prose are those of the output above", "[documents]") {
+  const std::regex other("^<!-- other figures: (.*) -->$");
+  for (const fs::path& path : documents()) {
+    std::vector<Figure> output;
+    std::vector<std::string> known;
+    bool fenced = false;
+    bool printed = false;
+    int number = 0;
+    for (const std::string& line : lines_of(content(path))) {
+      ++number;
+      if (line.starts_with("```")) {
+        fenced = !fenced;
+        if (fenced) printed = line == "```console" || line == "```text";
+        continue;
+      }
+      if (fenced) {
+        if (!printed) continue;
+        for (const Figure& figure : figures_of(line, false)) output.push_back(figure);
+        continue;
+      }
+      if (line.starts_with("#")) {
+        output.clear();
+        known.clear();
+      }
+      std::smatch found;
+      if (std::regex_match(line, found, other)) read_other_figures(found[1].str(), output, known);
+      if (output.empty() || line.starts_with("|") || line.starts_with("<!--")) continue;
+      const std::string prose =
+          std::regex_replace(std::regex_replace(line, std::regex("`[^`]*`"), "``"), std::regex(R"(\]\([^)]*\))"), "]");
+      for (const Figure& figure : figures_of(prose, true)) {
+        INFO(name_of(path) << ":" << number << ": the output above has no " << figure.text
+                           << "; correct the prose, or name the figure in <!-- other figures: ... -->");
+        CHECK((std::any_of(output.begin(), output.end(), [&](const Figure& f) { return rounds_to(f.value, figure); }) ||
+               std::find(known.begin(), known.end(), figure.text) != known.end()));
       }
     }
   }

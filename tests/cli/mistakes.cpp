@@ -248,7 +248,7 @@ TEST_CASE("an interrupted run keeps what is finished, and says so") {
   CHECK_THAT(
       terminal.rest(),
       Contains("cup") && Contains("trellis: interrupted; what is finished, and is kept: seeds 1 to 3 of the problem "
-                                  "cup; the same command makes the rest too\r\n"));
+                                  "cup; the same command makes the rest"));
   const Json results = Json::parse(content(place / "all.json"));
   CHECK(results.at("runs").size() == 6);
   CHECK(results.at("experiment").at("problems").size() == 1);

@@ -613,6 +613,48 @@ TEST_CASE("the session's words belong to the person who types, not to scripts an
   CHECK_FALSE(fs::exists(place / "started"));
 }
 
+TEST_CASE("what is saved gives every value again: lists, texts, problems and worlds of runs, typed problems") {
+  const Place place;
+  const Piped session =
+      pipe(place,
+           "w = world { bounds = {0, 0, 10, 10}, box { 4, 0, 5, 6, name = 'wall' } }\n"
+           "p = problem { name = 'mine', world = w, robot = robot.disc(0.2), start = {1, 1}, goal = {9, 1} }\n"
+           "r = plan(skeleton() >> rrt { step = 0.4 }, p)\n"
+           "path = r.path half = r.length / 2 text = tostring(r.seed) .. ' \"seed\"'\n"
+           "table_of = { path = { r.path[1] }, ['two words'] = true }\n"
+           "again = r.problem\n"
+           "g = along(path)\n"
+           "a = g >> rrt { step = 0.4 } plan(a, p) third = 1/3\n"
+           "made = plan(rrt {}, problem { world = world { bounds = {0, 0, 5, 5}, disc { 2, 2, 0.5 } },\n"
+           "  robot = robot.point(), start = {1, 1}, goal = {4, 4} }, { seed = 5 }).problem.world\n"
+           "save 'kept.lua'\n");
+  CHECK(session.err.empty());
+  const std::string kept = content(place / "kept.lua");
+  INFO(kept);
+  CHECK_THAT(kept, Contains("\nagain = p\n") && Contains("\ng = along(path)\n") && Contains("\nthird = 1/3\n"));
+  CHECK_THAT(kept, Contains("\nmade = world { bounds = {0, 0, 5, 5}, disc { 2, 2, 0.5 } }\n"));
+  CHECK_THAT(kept, Contains("seeds = { 5 } }\n") && Contains("robot = robot.point(), start = {1, 1}, goal = {4, 4} }"));
+  const trellis::test::Outcome run = place.run({"run", "kept.lua", "--report", "levels"});
+  CHECK(run.status == 0);
+  CHECK_THAT(run.out, Contains("1 seed (5)"));
+  // The values are the same, to the last bit.
+  place.script("compare.lua",
+               "require 'kept'\n"
+               "assert(#path > 2 and half > 5 and third == 1 / 3 and text == '1 \"seed\"')\n"
+               "assert(table_of['two words'] and table_of.path[1][1] == path[1][1])\n"
+               "return a, again\n");
+  const Piped more = pipe(place, "require 'compare' q = plan(a, again) print(q.length == half * 2, #q.path)\n");
+  CHECK(more.err.empty());
+}
+
+TEST_CASE("numbers print as people write them") {
+  const Place place;
+  const Piped session = pipe(
+      place, "0.1 + 0.2\n1e3\n2^53\n2.5e-7\n1e100\n{ 0.1 + 0.2, 1000.0, 100000 * 10.0, 1/3, 2.5e-7, 1234567.8 }\n");
+  CHECK(session.out ==
+        "0.3\n1000\n9.007199254741e15\n2.5e-7\n1e100\n{ 0.3, 1000, 1000000, 0.333333, 2.5e-7, 1234568 }\n");
+}
+
 TEST_CASE("save replaces a file that the session did not write only if the person says so") {
   const Place place;
   place.script("there.lua", "return 'old'\n");

@@ -85,6 +85,20 @@ TEST_CASE("a manifest names the commit and the machine, which may differ between
   CHECK(it.place.run({"merge", "one", "two", "--out", "all"}).status == 0);
 }
 
+TEST_CASE("shards and a whole sweep with the same runs merge, whatever their times") {
+  const Sweeps it;
+  REQUIRE(it.sweep("one", "1/2").status == 0);
+  REQUIRE(it.sweep("two", "2/2").status == 0);
+  REQUIRE(it.sweep("whole").status == 0);
+  const Outcome merged = it.place.run({"merge", "one", "two", "whole", "--out", "all", "--csv", "all.csv"});
+  CHECK(merged.err.empty());
+  CHECK(merged.out == "32 runs of 3 folders in 'all', 'all.csv'\n");
+  it.require_equal("all", "whole");
+  CHECK(it.text("all/runs.csv") == it.text("all.csv"));
+  // The records of the first folder with a run remain.
+  CHECK(it.text("all/runs.jsonl").find(it.text("one/runs.jsonl").substr(0, 100)) == 0);
+}
+
 TEST_CASE("a sweep that is killed at random ends with the bytes of one that is not", "[slow]") {
   const char* const wanted = std::getenv("TRELLIS_KILLS");  // NOLINT(concurrency-mt-unsafe)
   const int kills = wanted != nullptr ? std::atoi(wanted) : 6;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <dsl/language/tools/session.hpp>
 #include <dsl/language/words/guiding_space.hpp>
+#include <dsl/lua/snapshot.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/ablation.hpp>
@@ -659,6 +661,56 @@ TEST_CASE("what a function leaves behind reaches no other run, and any number of
     CHECK(all(run.levels[1].search.proposals) == one[1]);
   }
   CHECK(one[0] != one[2]);
+}
+
+TEST_CASE("a snapshot shows whether a call changed a value that functions of the script can reach") {
+  const std::string script =
+      "text = 'abc'\n"
+      "deep = { list = { 1, 2, { 3 } } }\n"
+      "meta = setmetatable({}, { __index = { key = 1 } })\n"
+      "local n, seen = 0, {}\n"
+      "function count() n = n + 1 return n end\n"
+      "function see(x) seen[#seen + 1] = x end\n"
+      "function work() local t = {} for i = 1, 100 do t[i] = tostring(i) end return #table.concat(t) end\n"
+      "words = string.gmatch('a b c', '%a')\n";
+  const auto changed_by = [&](const std::string& call, const std::string& more = "") {
+    dsl::Session session("");
+    std::optional<lua::Snapshot> snapshot;
+    session.with([&](lua::Stack& stack) {
+      stack.load(script + more, "@test.lua");
+      stack.call(0);
+      snapshot.emplace(stack, std::vector<const lua::Reference*>{});
+    });
+    bool same = false;
+    session.with([&](lua::Stack& stack) {
+      stack.load(call, "@call.lua");
+      stack.call(0);
+      stack.resize(0);
+      same = snapshot->unchanged(stack);
+    });
+    session.with([&](lua::Stack&) { snapshot.reset(); });
+    return !same;
+  };
+  for (const char* reads : {"work()", "return deep.list[3][1] + meta.key", "local t = { deep } t[1] = nil",
+                            "local f = function() return text end f()", "return skeleton() >> rrt {}",
+                            "collectgarbage() work()", "return #deep.list", "deep.list[1] = 1", "math.random()"}) {
+    INFO(reads);
+    CHECK_FALSE(changed_by(reads));
+  }
+  for (const char* writes :
+       {"count()", "see(1)", "text = 'abd'", "text = nil", "new = 1", "deep.list[3][1] = 4", "deep.list[3].x = 1",
+        "deep.list = { 1, 2, { 3 } }", "getmetatable(meta).__index.key = 2", "setmetatable(deep, {})",
+        "getmetatable('').__index = nil", "words()", "string.upper = string.lower", "deep.list[1] = 1.0",
+        "return scenes.cup()", "count = see", "print = nil", "text = text:upper():lower() .. 'd' collectgarbage()"}) {
+    INFO(writes);
+    CHECK(changed_by(writes));
+  }
+  // What changes by itself always counts as changed.
+  for (const char* more : {"thread = coroutine.create(work)", "weak = setmetatable({}, { __mode = 'k' })",
+                           "wrapped = coroutine.wrap(function() while true do coroutine.yield(1) end end)"}) {
+    INFO(more);
+    CHECK(changed_by("return 1", more));
+  }
 }
 
 TEST_CASE("a script that defines other guides when it is loaded again is an error") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/recentred.hpp>
 
 using namespace trellis;
 using Catch::Matchers::Contains;
@@ -418,4 +420,53 @@ TEST_CASE("an impossible arm is an error", "[scene][robot]") {
                  Contains("got -180 and 180") && Contains("math.rad"));
   CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {{}, {}}}), Contains("limits of 2"));
   CHECK_THAT(fault_of([] { static_cast<void>(Robot::disc(1).apart({{0, 1}})); }), Contains("bodies 1 and 2"));
+}
+
+TEST_CASE("a recentred robot is the same body about the centre of its largest disc") {
+  const auto body_points = [](const Robot& robot, const Configuration& q) {
+    std::vector<Pose2> poses(1);
+    robot.place(q, poses);
+    std::vector<Vec2> points;
+    for (const auto& part : robot.bodies().front().parts) {
+      for (const Vec2 v : std::get<Polygon>(part).vertices) points.push_back(poses[0](v));
+    }
+    return points;
+  };
+  const std::vector<std::pair<Polygon, double>> shapes = {
+      {{{{0.3, 0.0}, {1.1, 0.0}, {1.1, 0.5}, {0.3, 0.5}}}, 0.25},
+      {{{{0.0, 0.0}, {1.0, 0.0}, {1.0, 0.2}, {0.3, 0.2}, {0.3, 1.0}, {0.0, 1.0}}}, 0.1536},
+      {{{{-4.0, -4.0}, {-2.0, -4.0}, {-3.0, -2.0}}}, 0.6180}};
+  for (const auto& [polygon, radius] : shapes) {
+    for (const bool rotates : {true, false}) {
+      const Robot robot = Robot::rigid({polygon}, rotates);
+      const auto [about, offset] = recentred(robot);
+      CHECK(about.inscribed_radius() == Approx(radius).epsilon(0.002));
+      CHECK(about.inscribed_radius() >= robot.inscribed_radius());
+      CHECK(about.bounding_radius() <= robot.bounding_radius() + 1e-9);
+      Configuration q = {2.0, 3.0, 0.7};
+      q.resize(robot.dimension());
+      const auto before = body_points(robot, q);
+      const auto after = body_points(about, recentred_configuration(robot, offset, q));
+      REQUIRE(before.size() == after.size());
+      for (std::size_t i = 0; i < before.size(); ++i) CHECK(norm(before[i] - after[i]) < 1e-12);
+      // Once more changes little.
+      CHECK(norm(Vec2{recentred(about).offset.x, recentred(about).offset.y}) < 0.02);
+    }
+  }
+  CHECK(recentred(Robot::disc(0.4)).robot.inscribed_radius() == Approx(0.4));
+  CHECK(recentred(Robot::point()).robot.is_point());
+  Arm arm;
+  arm.links = {1.0};
+  arm.widths = {0.1};
+  CHECK_THROWS_WITH(recentred(Robot::arm(arm)), Contains("is fixed to its base"));
+  // In space: of several solids the one with the largest ball.
+  const Robot3 hammer("rigid", {Solid{Cuboid{{0.1, 0.1, 1.0}}, {{0.0, 0.0, 0.5}, {}}},
+                                Solid{Cuboid{{0.4, 0.4, 0.4}}, {{0.1, 0.0, 1.2}, {}}}});
+  const auto [about, offset] = recentred(hammer);
+  CHECK(about.inscribed_radius() == Approx(0.2));
+  CHECK(norm(offset - Vec3{0.1, 0.0, 1.2}) < 1e-9);
+  const double half = std::sqrt(0.5);
+  const Configuration q = {1.0, 2.0, 3.0, half, 0.0, 0.0, half};  // a quarter turn about x
+  const Configuration moved = recentred_configuration(hammer, offset, q);
+  CHECK(norm(about.pose(moved)(Vec3{}) - hammer.pose(q)(offset)) < 1e-12);
 }

@@ -18,6 +18,7 @@
 #include <set>
 
 #include <dsl/command/interrupt.hpp>
+#include <dsl/command/repl/source_text.hpp>
 #include <dsl/command/repl/values.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/core/stdlib.hpp>
@@ -86,7 +87,7 @@ std::string without_traceback(const std::string& message) {
 
 void complain(const std::string& message) {
   std::fflush(stdout);
-  print_stderr(message + "\n");
+  print_stderr(broken_at_words(message + "\n", STDERR_FILENO));
 }
 
 /// Prints a value; for a session command without call parentheses, its usage.
@@ -382,6 +383,7 @@ Console::Verdict Console::run(const std::string& typed, bool more) {
   const std::string name = fmt::format("@input {}", inputs_ + 1);
   state_.used = false;
   state_.announced = nullptr;
+  state_.typed = arguments_of_call(input, {"plan", "start"});
   bool incomplete = false;
   const std::string last_input = std::exchange(state_.last_input, input);
   state_.inputs.resize(inputs_);
@@ -454,50 +456,59 @@ bool Console::together(const std::string& text) {
 }
 
 void Console::accept(const std::string& input) {
-  const auto all = dsl::tokens(input);
+  if (dsl::tokens(input).empty()) return;
+  ++state_.accepted_inputs;
+  std::vector<std::string> parts;
+  std::vector<bool> used;
+  session_.with([&](Stack& stack) {
+    parts = statements(stack, input);
+    used.assign(parts.size(), state_.used);
+    if (!state_.used || parts.size() == 1) return;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const auto uses = lua::global_uses(stack, parts[i], "=input");
+      used[i] = std::any_of(uses.begin(), uses.end(), [](const lua::GlobalUse& use) { return is_command(use.name); });
+    }
+    // A function of the session called the command.
+    if (std::find(used.begin(), used.end(), true) != used.end()) return;
+    parts = {input};
+    used = {true};
+  });
+  for (std::size_t i = 0; i < parts.size(); ++i) accept_statement(parts[i], used[i]);
+}
+
+void Console::accept_statement(const std::string& text, bool used) {
+  const auto all = dsl::tokens(text);
   if (all.empty()) return;
   // Inputs that only print are no statements, `return` would end the script, and scripts have no session commands.
-  bool statement = !state_.used && all.front().text != "return";
+  bool statement = !used && all.front().text != "return";
   std::set<std::string> assigned;
   session_.with([&](Stack& stack) {
     std::string why;
-    const bool chunk = loads(stack, input, "=input", why);
+    const bool chunk = loads(stack, text, "=input", why);
     statement = statement && chunk;
-    for (const lua::GlobalUse& use : lua::global_uses(stack, chunk ? input : "return " + input, "=input")) {
+    for (const lua::GlobalUse& use : lua::global_uses(stack, chunk ? text : "return " + text, "=input")) {
       if (use.set) assigned.insert(use.name);
       // What a comment has made is not there when the script runs; nor is the value printed last.
       if (!use.set && (use.name == "_" || state_.lost.contains(use.name))) statement = false;
     }
   });
-  state_.accepted.push_back(statement ? input : commented(input));
+  state_.accepted.push_back(statement ? text : commented(text));
   for (const std::string& name : assigned) {
-    const std::string text = statement ? "" : literal(name);
-    if (!text.empty()) state_.accepted.push_back(fmt::format("{} = {}", name, text));
-    if (statement || !text.empty()) {
-      state_.lost.erase(name);
-    } else {
-      state_.lost.insert(name);
-    }
+    state_.lost.insert(name);  // it does not give itself
+    const std::string source = statement ? "" : literal(name);
+    if (!source.empty()) state_.accepted.push_back(fmt::format("{} = {}", name, source));
+    if (statement || !source.empty()) state_.lost.erase(name);
   }
 }
 
 std::string Console::literal(const std::string& name) {
   std::string text;
   session_.with([&](Stack& stack) {
-    const Value value = stack.push_global(name);
-    if (value.type() == Type::number || value.type() == Type::boolean) text = value.text();
-    const auto strategy = dsl::as_strategy(value);
-    if (!strategy) return;
-    std::string why;
-    if (!loads(stack, "return " + strategy->text(), "=input", why)) return;
-    // A part of a script's own has a text that makes nothing.
-    try {
-      stack.call_protected(0);
-    } catch (const Error&) {
-      return;
-    }
-    const auto made = dsl::as_strategy(stack.top());
-    if (made && *made == *strategy) text = strategy->text();
+    const auto& planned = state_.planned;
+    const bool known = planned && !planned->problem.empty() &&
+                       !state_.lost.contains(planned->problem.substr(0, planned->problem.find_first_of(".[( ")));
+    SourceWriter writer(stack, state_.lost, known ? &planned->instance : nullptr, known ? planned->problem : "");
+    text = writer.text(stack.push_global(name));
   });
   return text;
 }

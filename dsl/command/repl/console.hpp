@@ -38,9 +38,12 @@ class Console {
   std::string edited();
 
  private:
-  /// Adds the input to those that save() writes: as a statement, or as a comment with the values that it assigned.
+  /// Adds the statements of an input to those that save() writes.
   void accept(const std::string& input);
-  /// The text of a global that save() can write, a number, a boolean or a strategy; "" for others.
+  /// Adds a statement as it is, or as a comment with the values that it assigned.
+  /// \param used  whether it calls a session command
+  void accept_statement(const std::string& text, bool used);
+  /// The text of a global that save() can write (SourceWriter); "" for others.
   std::string literal(const std::string& name);
   void warn_of_locals(const std::string& input);
   /// Prints what the input has that does something else than it seems to.

@@ -4,12 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <utility>
 
-#include <dsl/language/core/tokens.hpp>
+#include <dsl/command/repl/source_text.hpp>
 #include <dsl/language/core/types.hpp>
 #include <dsl/language/words/algebra.hpp>
 #include <trellis/base/error.hpp>
@@ -136,28 +135,6 @@ int read_field(Stack& call) {
 
 // Values as texts ----------------------------------------------------------------------------------------------------
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (c == '\n') {
-      out += "\\n";
-    } else if (std::iscntrl(static_cast<unsigned char>(c)) != 0) {
-      out += fmt::format("\\{:03}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    } else {
-      out += c;
-    }
-  }
-  return out + '"';
-}
-
-/// Writes a field's name in Lua's syntax.
-std::string key_text(const std::string& name) {
-  const auto all = dsl::tokens(name);
-  const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
-  return plain ? name : fmt::format("[{}]", quoted(name));
-}
-
 class Writer {
  public:
   explicit Writer(Stack& stack) : stack_(stack) {}
@@ -210,12 +187,13 @@ class Writer {
 
  private:
   static constexpr std::size_t deepest = 3;
+  static constexpr int shown_digits = 6;
   static std::size_t most(std::size_t depth) { return depth == 0 ? 20 : 8; }
 
   std::string inner(Value value, std::size_t depth) {
     if (value.type() == Type::table) return depth > deepest ? "{...}" : table(value, depth);
     if (const auto text = value.string()) return quoted(*text);
-    if (const auto number = value.number(); number && !value.is_integer()) return fmt::format("{:.6g}", *number);
+    if (const auto number = value.number(); number && !value.is_integer()) return number_text(*number, shown_digits);
     return value.type() == Type::function ? "function" : value.text();
   }
 
@@ -225,7 +203,8 @@ class Writer {
 std::string configuration_text(const Configuration& q) {
   std::vector<std::string> coordinates;
   coordinates.reserve(q.size());
-  for (const double x : q) coordinates.push_back(fmt::format("{:.4g}", x));
+  constexpr int digits = 4;
+  for (const double x : q) coordinates.push_back(number_text(x, digits));
   return fmt::format("({})", fmt::join(coordinates, ", "));
 }
 
@@ -265,7 +244,9 @@ std::string value_text(Stack& stack, Value value) {
   if (const auto* guide = value.get<GuideSpec>()) return guide->tree();
   if (const auto* problem = value.get<Problem>()) return problem_text(*problem);
   if (value.type() == Type::table) return Writer(stack).table(value) + "\n";
-  std::string text = value.text();
+  constexpr int digits = 14;  // as Lua prints them
+  const bool fraction = value.type() == Type::number && !value.is_integer();
+  std::string text = fraction ? number_text(*value.number(), digits) : value.text();
   if (text.empty() || text.back() != '\n') text += '\n';
   return text;
 }

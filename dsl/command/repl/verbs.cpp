@@ -2,6 +2,7 @@
 #include <dsl/command/repl/verbs.hpp>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@
 #include <utility>
 
 #include <dsl/command/progress.hpp>
+#include <dsl/command/repl/source_text.hpp>
 #include <dsl/command/repl/values.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/core/construct.hpp>
@@ -25,6 +27,7 @@
 #include <dsl/language/tools/words.hpp>
 #include <dsl/language/words/algebra.hpp>
 #include <dsl/language/words/tuning.hpp>
+#include <dsl/lua/globals.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/partial.hpp>
@@ -81,6 +84,15 @@ constexpr std::array<Verb, 23> all_verbs = {{
     {"source", "source(\"scenes.cup\")", "the lines that define a function, as scenes.cup??"},
     {"quit", "quit()", "ends the session, as exit and Ctrl-D do"},
 }};
+
+/// Prints the result of a run. Where a line of the terminal is too short, the costs follow on the next one: a break
+/// that depended on the digits of the time would be another one each time.
+void say_outcome(const Run& run) {
+  std::string text = outcome_text(run) + "\n";
+  const std::size_t colon = text.find(": ", text.find(", seed "));
+  if (colon != std::string::npos && broken_at_words(text, STDOUT_FILENO) != text) text.replace(colon + 1, 1, "\n  ");
+  print_all(broken_at_words(text, STDOUT_FILENO));
+}
 
 void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
 
@@ -174,27 +186,6 @@ std::string expression_of(Stack& call, const Value& value) {
   return found;
 }
 
-/// The call of a function of the module `scenes` that makes an equal problem; "" for none.
-std::string scene_call(Stack& call, const Problem& problem) {
-  if (field_path("scenes", problem.name) != "scenes." + problem.name) return "";
-  const int before = call.size();
-  std::string found;
-  call.load("return require('scenes')", "=repl");
-  call.call(0);
-  const Value function = call.top().field(problem.name);
-  if (function.type() == Type::function) {
-    try {
-      call.push(function);
-      call.call_protected(0);
-      const auto* made = call.top().get<Problem>();
-      if (made != nullptr && change_of(*made, problem).empty()) found = fmt::format("scenes.{}()", problem.name);
-    } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a function that needs arguments makes another problem
-    }
-  }
-  call.resize(before);
-  return found;
-}
-
 /// The lines that give a saved script what a loaded one gave the session.
 /// \param file  the saved script, from whose folder its modules are loaded
 std::string requiring_lines(const SessionState& state, const std::string& file) {
@@ -275,7 +266,7 @@ class Verbs {
   int go_on(Stack& call) {
     Run& run = *only_run(call, "continue");
     go_on(run, std::numeric_limits<std::uint64_t>::max());
-    say(outcome_text(run));
+    say_outcome(run);
     return 0;
   }
 
@@ -473,7 +464,11 @@ class Verbs {
     }
     state_.problem = program.experiment.problems.front();
     state_.expression = expression_of(call, problem);
-    state_.planned = {best.text(), best.text(), state_.expression, *state_.problem};
+    state_.planned = SessionState::Planned{.strategy = best.text(),
+                                           .text = best.text(),
+                                           .spec = best,
+                                           .problem = state_.expression,
+                                           .instance = *state_.problem};
     say(tuning_text(program.experiment, *program.tuning, result, state_.screen().columns));
     call.push_object(best);
     state_.announced = call.top().identity();
@@ -521,30 +516,16 @@ class Verbs {
     std::string text = "-- The inputs of a session of trellis repl; those that print or plan are comments.\n";
     text += requiring_lines(state_, *file);
     for (const auto& input : state_.accepted) text += input + "\n";
-    std::string strategy;
-    std::string problem;
-    if (const auto& planned = state_.planned) {
-      const auto lost = [&](const std::string& expression) { return state_.lost.contains(root_of(expression)); };
-      strategy = lost(planned->strategy) ? planned->text : planned->strategy;
-      problem =
-          planned->problem.empty() || lost(planned->problem) ? scene_call(call, planned->instance) : planned->problem;
-    }
-    if (!state_.planned) {
-      text += "-- Nothing was planned: end this with 'return strategy, problem' to run it.\n";
-    } else if (problem.empty()) {
-      text += fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n", strategy);
-    } else {
-      text += fmt::format("return {}, {}\n", strategy, problem);
-    }
+    text += returning_line(call);
     write_own("save", *file, text);
-    say(fmt::format("{} written: {} inputs", *file, state_.accepted.size()));
+    say(fmt::format("{} written: {} inputs", *file, state_.accepted_inputs));
     return 0;
   }
 
   int help(Stack& call) const {
     const std::size_t columns = std::min(state_.screen().columns, dsl::help_width);
     if (!call[1].given()) {
-      say(names_text(columns));
+      say(names_text(columns, state_.screen().rows));
       return 0;
     }
     const std::string verb = call[1].type() == Type::object ? "" : verb_of(call, call[1]);
@@ -583,6 +564,50 @@ class Verbs {
   }
 
  private:
+  /// The last line of a saved script: what was planned last.
+  std::string returning_line(Stack& call) {
+    if (!state_.planned) return "-- Nothing was planned: end this with 'return strategy, problem' to run it.\n";
+    const auto& planned = *state_.planned;
+    const auto there = [&](const std::string& expression) {
+      return !expression.empty() && !state_.lost.contains(root_of(expression));
+    };
+    // What was typed has a value in the script if all its names have.
+    const auto readable = [&](const std::string& typed) {
+      if (typed.empty()) return false;
+      try {
+        const auto uses = lua::global_uses(call, "return " + typed, "=input");
+        return std::none_of(uses.begin(), uses.end(), [&](const lua::GlobalUse& use) {
+          return use.name == "_" || state_.lost.contains(use.name) || is_command(use.name);
+        });
+      } catch (const Error&) {
+        return false;
+      }
+    };
+    SourceWriter writer(call, state_.lost, nullptr, "");
+    std::string strategy = there(planned.strategy) && planned.strategy != planned.text ? planned.strategy : "";
+    if (strategy.empty()) {
+      call.push_object(planned.spec);
+      strategy = writer.text(call.top());
+    }
+    if (strategy.empty() && readable(planned.typed_strategy)) strategy = planned.typed_strategy;
+    std::string problem = there(planned.problem) ? planned.problem : "";
+    if (problem.empty()) {
+      call.push_object(planned.instance);
+      problem = writer.text(call.top());
+    }
+    if (problem.empty() && readable(planned.typed_problem)) problem = planned.typed_problem;
+    if (strategy.empty()) {
+      return "-- The last strategy has no text: end this with 'return strategy, problem' to run it.\n";
+    }
+    if (problem.empty()) {
+      return fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n", strategy);
+    }
+    if (planned.seed == 1) return fmt::format("return {}, {}\n", strategy, problem);
+    return fmt::format(
+        "return experiment {{ problems = {{ {} }}, strategies = {{ strategy = {} }}, seeds = {{ {} }} }}\n", problem,
+        strategy, planned.seed);
+  }
+
   static std::string absolute(const std::string& file) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file)).string();
   }
@@ -719,13 +744,24 @@ class Verbs {
     const std::string text = strategy.text();
     std::string expression = expression_of(call, call[1]);
     if (expression.empty()) expression = text;
+    const StrategySpec run_spec = strategy;
     auto run = std::make_shared<Run>(Run{
         .strategy_name = std::move(name), .strategy = std::move(strategy), .problem = problem->problem, .seed = seed});
     advance(*run, proposals, state_.interrupted);
     add(run);
     state_.expression = problem->expression;
-    state_.planned = {std::move(expression), text, problem->expression, problem->problem};
-    say(outcome_text(*run));
+    const auto typed = [&](std::size_t i) {
+      return i < state_.typed.size() && !state_.typed[i].starts_with('{') ? state_.typed[i] : "";
+    };
+    state_.planned = SessionState::Planned{.strategy = std::move(expression),
+                                           .text = text,
+                                           .spec = run_spec,
+                                           .problem = problem->expression,
+                                           .instance = problem->problem,
+                                           .seed = seed,
+                                           .typed_strategy = typed(0),
+                                           .typed_problem = typed(1)};
+    say_outcome(*run);
     return announce(call, run);
   }
 
@@ -919,6 +955,10 @@ class Verbs {
 
 std::span<const Verb> verbs() { return all_verbs; }
 
+bool is_command(std::string_view name) {
+  return std::any_of(all_verbs.begin(), all_verbs.end(), [&](const Verb& verb) { return verb.name == name; });
+}
+
 std::string change_of(const Problem& before, const Problem& after) {
   std::vector<std::string> parts;
   const auto note = [&](bool same, const char* part) {
@@ -955,7 +995,7 @@ std::string verbs_text(std::string_view name, std::size_t width) {
   return text;
 }
 
-std::string names_text(std::size_t width) {
+std::string names_text(std::size_t width, std::size_t rows) {
   std::string text;
   const auto list = [&](const std::string& title, const std::vector<std::string>& names) {
     text += wrap(fmt::format("{}", fmt::join(names, " ")), width, title + ": ", "  ");
@@ -977,6 +1017,8 @@ std::string names_text(std::size_t width) {
     }
     list(title, names);
   }
+  std::string modules;
+  std::swap(text, modules);
   for (const dsl::Word& module : dsl::words()) {
     if (module.kind != Kind::module) continue;
     names.clear();
@@ -985,9 +1027,21 @@ std::string names_text(std::size_t width) {
     }
     list(module.name, names);
   }
+  std::swap(text, modules);
   constexpr const char* more =
       R"(help "shrink" explains a word, help "session" the functions of a session, help "words" lists all with a line each)";
-  return text + '\n' + wrap(more, width, "", "");
+  const std::string end = '\n' + wrap(more, width, "", "");
+  const auto lines = [](const std::string& part) {
+    return static_cast<std::size_t>(std::count(part.begin(), part.end(), '\n'));
+  };
+  // The prompt has a line, too.
+  if (lines(text) + lines(modules) + lines(end) < rows) return text + modules + end;
+  names.clear();
+  for (const dsl::Word& module : dsl::words()) {
+    if (module.kind == Kind::module) names.push_back(module.name);
+  }
+  list("modules", names);
+  return text + end;
 }
 
 Value push_verbs(Stack& stack) { return stack.push_hidden("session commands"); }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -25,11 +27,14 @@ struct Verb {
   std::string_view summary;
 };
 std::span<const Verb> verbs();
+/// Whether a session command has this name.
+bool is_command(std::string_view name);
 /// Returns their usages and summaries, or those of the named one.
 std::string verbs_text(std::string_view name = "", std::size_t width = dsl::help_width);
 
 /// Returns the names of the session commands and of the words of the language, by kind, on one screen.
-std::string names_text(std::size_t width = dsl::help_width);
+/// \param rows  of the screen; where the words of modules do not fit, it names the modules alone
+std::string names_text(std::size_t width = dsl::help_width, std::size_t rows = 45);
 
 /// The state that the session commands share.
 struct SessionState {
@@ -49,12 +54,17 @@ struct SessionState {
   struct Planned {
     std::string strategy;
     std::string text;  ///< the strategy without names of the session
+    StrategySpec spec;
     std::string problem;
     Problem instance;
+    std::uint64_t seed = 1;
+    std::string typed_strategy{};  ///< the arguments of plan or start as they were typed; "" if not known
+    std::string typed_problem{};
   };
   std::optional<Planned> planned;
   std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments
-  std::set<std::string> lost;         ///< globals whose values no line of `accepted` gives
+  std::size_t accepted_inputs = 0;
+  std::set<std::string> lost;  ///< globals whose values no line of `accepted` gives
   /// Files that save() and plot() have written, by their absolute paths, and their contents.
   std::map<std::string, std::string> written;
   /// Asks the person at the terminal a question; false where there is none.
@@ -63,6 +73,7 @@ struct SessionState {
   std::vector<std::string> inputs;  ///< all, by number: input 1 is the first
 
   // Of the current input:
+  std::vector<std::string> typed;   ///< the arguments of its last plan or start
   bool used = false;                ///< it called a session command
   const void* announced = nullptr;  ///< the value that a command already printed
   std::string to_edit;              ///< the argument of edit(); see `edits`

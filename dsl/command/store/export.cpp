@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,7 @@
 #include <trellis/memory/database.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/files.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -114,14 +116,13 @@ struct Entry {
 };
 
 template <class Body>
-void for_each_entry(const Json& experiment, const Manifest& manifest, const Records& records, const Body& body) {
-  const std::vector<RunKey> keys = keys_of(manifest.experiment);
+void for_each_entry(const Json& experiment, const StoredRuns& records, const Body& body) {
   const auto strategies = static_cast<std::int64_t>(experiment.at("strategies").size());
   const auto seeds = static_cast<std::int64_t>(experiment.at("seeds").size());
-  for (std::size_t i = 0; i < keys.size(); ++i) {
+  for (std::size_t i = 0; i < records.runs().size(); ++i) {
     if (InterruptibleRun::requested()) throw Interrupted();
     const auto at = static_cast<std::int64_t>(i);
-    const std::string& line = records.at(keys[i]);
+    const std::string line = records.line(i);
     body(Entry{at + 1, at / seeds / strategies + 1, at / seeds % strategies + 1, Json::parse(line), &line});
   }
 }
@@ -217,10 +218,10 @@ std::vector<Column> level_columns() {
           {"coverage", "REAL", "/coverage"}};
 }
 
-void write_runs(const Database& database, const Manifest& manifest, const Json& experiment, const Records& records) {
+void write_runs(const Database& database, const Json& experiment, const StoredRuns& records) {
   Table runs(database, "run", run_columns(), ", UNIQUE (problem, strategy, seed)");
   Table levels(database, "level", level_columns(), ", PRIMARY KEY (run, level)");
-  for_each_entry(experiment, manifest, records, [&](const Entry& entry) {
+  for_each_entry(experiment, records, [&](const Entry& entry) {
     runs.add({entry.id, entry.problem, entry.strategy, *entry.line}, entry.run);
     for (const Json& level : entry.run.at("levels")) levels.add({entry.id}, level);
   });
@@ -312,9 +313,10 @@ std::vector<Column> arena_run_columns() {
           {"seed", "INTEGER", "/seed"}};
 }
 
-void write_arena(const Database& database, const Manifest& manifest, const Json& experiment, const Records& records) {
+void write_arena(const Database& database, const Manifest& manifest, const Json& experiment,
+                 const StoredRuns& records) {
   std::vector<double> seconds(experiment.at("problems").size(), 0.0);
-  for_each_entry(experiment, manifest, records, [&](const Entry& entry) {
+  for_each_entry(experiment, records, [&](const Entry& entry) {
     seconds[static_cast<std::size_t>(entry.problem) - 1] += entry.run.at("time_s").get<double>();
   });
   write_arena_inputs(database, manifest, experiment, seconds);
@@ -327,7 +329,7 @@ void write_arena(const Database& database, const Manifest& manifest, const Json&
                   {"best_cost", "REAL", "/length"},
                   {"validity_checks", "INTEGER", "/checks"}},
                  ", PRIMARY KEY (runid, time), FOREIGN KEY (runid) REFERENCES runs(id) ON DELETE CASCADE");
-  for_each_entry(experiment, manifest, records, [&](const Entry& entry) {
+  for_each_entry(experiment, records, [&](const Entry& entry) {
     runs.add({entry.id, entry.problem, entry.strategy, ompl_status_of(entry.run.at("status").get<std::string>())},
              entry.run);
     for (const Json& one : entry.run.at("improvements")) progress.add({entry.id}, one);
@@ -406,7 +408,7 @@ void require_replaceable_database(const std::string& path) {
   throw Error(fmt::format("--sqlite: '{}' is a database that trellis merge did not write; it is left as it is", path));
 }
 
-void write_database(const std::string& path, const Manifest& manifest, const Records& records) {
+void write_database(const std::string& path, const Manifest& manifest, const StoredRuns& records) {
   const InterruptibleRun interruptible;  // else a signal leaves the draft
   const Draft draft(path);
   {
@@ -416,33 +418,42 @@ void write_database(const std::string& path, const Manifest& manifest, const Rec
       database.run(
           fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", application, version_of_tables).c_str());
       write_inputs(database, manifest, experiment);
-      write_runs(database, manifest, experiment, records);
+      write_runs(database, experiment, records);
       write_arena(database, manifest, experiment, records);
     });
   }
   draft.publish();
 }
 
-void write_pdt(const std::string& folder, const Manifest& manifest, const Records& records) {
+void write_pdt(const std::string& folder, const Manifest& manifest, const StoredRuns& records) {
   const Json experiment = Json::parse(manifest.experiment);
   const std::size_t problems = experiment.at("problems").size();
   // The files cover the same time for all runs: PDT does not extrapolate.
   std::vector<double> ends(problems, 0.0);
-  for_each_entry(experiment, manifest, records, [&](const Entry& entry) {
+  for_each_entry(experiment, records, [&](const Entry& entry) {
     double& end = ends[static_cast<std::size_t>(entry.problem) - 1];
     end = std::max({end, entry.run.at("time_s").get<double>(), entry.run.at("cpu_s").get<double>()});
     for (const Json& one : entry.run.at("improvements")) end = std::max(end, one.at("cpu_s").get<double>());
   });
-  std::vector<std::string> texts(problems);
-  for_each_entry(experiment, manifest, records, [&](const Entry& entry) {
-    const std::size_t problem = static_cast<std::size_t>(entry.problem) - 1;
-    texts[problem] += pdt_lines(entry.run, ends[problem]);
-  });
+  // The runs come problem by problem.
   Directories files;
-  for (std::size_t i = 0; i < problems; ++i) {
-    const std::string name = files(experiment.at("problems")[i].at("name").get<std::string>());
-    write_file((fs::path(folder) / (name + ".csv")).string(), texts[i]);
-  }
+  std::unique_ptr<FileWriter> file;
+  std::size_t current = 0;
+  const auto publish = [&] {
+    if (file) file->publish();
+    file.reset();
+  };
+  for_each_entry(experiment, records, [&](const Entry& entry) {
+    const std::size_t problem = static_cast<std::size_t>(entry.problem) - 1;
+    if (!file || problem != current) {
+      publish();
+      const std::string name = files(experiment.at("problems")[problem].at("name").get<std::string>());
+      file = std::make_unique<FileWriter>((fs::path(folder) / (name + ".csv")).string());
+      current = problem;
+    }
+    file->write(pdt_lines(entry.run, ends[problem]));
+  });
+  publish();
 }
 
 }  // namespace trellis::command

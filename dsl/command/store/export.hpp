@@ -12,9 +12,9 @@ void require_replaceable_database(const std::string& path);
 
 /// Writes a complete sweep into one SQLite file: the tables experiment, problem, strategy, run and level, and the
 /// tables that Planner Arena reads. The file has its old content or its new one.
-void write_database(const std::string& path, const Manifest& manifest, const Records& records);
+void write_database(const std::string& path, const Manifest& manifest, const StoredRuns& records);
 
 /// Writes for each problem a CSV file that Planner Developer Tools (PDT) reads.
-void write_pdt(const std::string& folder, const Manifest& manifest, const Records& records);
+void write_pdt(const std::string& folder, const Manifest& manifest, const StoredRuns& records);
 
 }  // namespace trellis::command

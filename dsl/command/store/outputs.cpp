@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -17,6 +19,7 @@
 #include <trellis/base/errors.hpp>
 #include <trellis/base/printable.hpp>
 #include <trellis/report/files.hpp>
+#include <trellis/report/table.hpp>
 
 namespace trellis::command {
 
@@ -90,9 +93,40 @@ OutputFolder::~OutputFolder() {
   if (!made_.empty()) fs::remove(made_, ignored);
 }
 
+void name_documents(std::vector<std::string>& paths) {
+  for (std::string& path : paths) {
+    std::error_code ignored;
+    const fs::path document = fs::path(path) / "results.json";
+    if (fs::is_directory(path, ignored) && fs::is_regular_file(document, ignored)) path = document.string();
+  }
+}
+
+std::string broken_at_words(std::string_view text, int file) {
+  winsize size{};
+  constexpr std::size_t narrowest = 20;
+  if (::isatty(file) != 1 || ::ioctl(file, TIOCGWINSZ, &size) != 0 || size.ws_col < narrowest) return std::string(text);
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string line(text.substr(0, end));
+    if (display_width(line) <= size.ws_col) {
+      out += line;
+    } else {
+      std::string broken = wrap(line, size.ws_col, "", "  ");
+      if (broken.ends_with('\n')) broken.pop_back();
+      out += broken;
+    }
+    if (end < text.size()) out += '\n';
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
 void print_stderr(std::string_view text) { static_cast<void>(write_all(STDERR_FILENO, printable(text))); }
 
-void print_message(std::string_view message) { print_stderr(fmt::format("trellis: {}\n", message)); }
+void print_message(std::string_view message) {
+  print_stderr(broken_at_words(fmt::format("trellis: {}\n", message), STDERR_FILENO));
+}
 
 void print_error(const Error& error) {
   std::vector<std::string> messages = {error.what()};

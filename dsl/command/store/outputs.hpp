@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <trellis/base/error.hpp>
 
@@ -27,7 +28,14 @@ class OutputFolder {
   std::string made_;  // the created folder, "" if it existed before
 };
 
+/// Replaces the name of each folder of --out by that of the document of results in it.
+void name_documents(std::vector<std::string>& paths);
+
 // All text leaves for the terminal here. What a terminal would obey is printed as its code (trellis::printable).
+
+/// Breaks lines that are longer than a terminal is wide between words, where the file is a terminal.
+/// \param file  a file descriptor
+std::string broken_at_words(std::string_view text, int file);
 
 /// Prints to stderr. Where that fails, as on a full disk or where the caller closed stderr, the text is lost and the
 /// command continues.

@@ -46,7 +46,7 @@ std::string in(const std::string& folder, const char* name) { return (std::files
 
 void remove_times(Json& json) {
   if (json.is_object()) {
-    for (const char* name : {"time_s", "cpu_s", "path_cpu_s"}) json.erase(std::string(name));
+    for (const char* name : {"time_s", "cpu_s", "path_cpu_s", "set_up_s"}) json.erase(std::string(name));
   }
   if (json.is_structured()) {
     for (Json& part : json) remove_times(part);
@@ -157,18 +157,28 @@ Manifest ScriptFiles::manifest(const std::string& script, const std::string& opt
           experiment_line(experiment)};
 }
 
-std::vector<RunKey> keys_of(const std::string& experiment) {
+RunList::RunList(const std::string& experiment) {
   const Json json = Json::parse(experiment);
-  std::vector<RunKey> keys;
-  for (const Json& problem : json.at("problems")) {
-    for (const Json& strategy : json.at("strategies")) {
-      for (const Json& seed : json.at("seeds")) {
-        keys.push_back(
-            {problem.at("name").get<std::string>(), strategy.at("name").get<std::string>(), seed.get<std::uint64_t>()});
-      }
-    }
-  }
-  return keys;
+  for (const Json& problem : json.at("problems")) problems_.push_back(problem.at("name").get<std::string>());
+  for (const Json& strategy : json.at("strategies")) strategies_.push_back(strategy.at("name").get<std::string>());
+  for (const Json& seed : json.at("seeds")) seeds_.push_back(seed.get<std::uint64_t>());
+  for (std::size_t i = 0; i < problems_.size(); ++i) problem_.emplace(problems_[i], i);
+  for (std::size_t i = 0; i < strategies_.size(); ++i) strategy_.emplace(strategies_[i], i);
+  for (std::size_t i = 0; i < seeds_.size(); ++i) seed_.emplace(seeds_[i], i);
+}
+
+RunKey RunList::key(std::size_t run) const {
+  const std::size_t seeds = seeds_.size();
+  return {problems_[run / seeds / strategies_.size()], strategies_[run / seeds % strategies_.size()],
+          seeds_[run % seeds]};
+}
+
+std::optional<std::size_t> RunList::find(const RunKey& key) const {
+  const auto problem = problem_.find(key.problem);
+  const auto strategy = strategy_.find(key.strategy);
+  const auto seed = seed_.find(key.seed);
+  if (problem == problem_.end() || strategy == strategy_.end() || seed == seed_.end()) return std::nullopt;
+  return (problem->second * strategies_.size() + strategy->second) * seeds_.size() + seed->second;
 }
 
 std::vector<std::size_t> cells_of(const std::string& experiment, const Shard& shard) {
@@ -183,32 +193,114 @@ std::vector<std::size_t> cells_of(const std::string& experiment, const Shard& sh
   return cells;
 }
 
-Records parse_records(const std::string& text, const std::string& file, std::size_t& complete) {
-  Records records;
+std::uint64_t each_record(const std::string& path, const std::function<void(const RecordLine&)>& visit) {
+  InputFile file(path, largest_file);
   ErrorList errors;
-  complete = 0;
+  std::string text;  // what follows the complete lines
+  std::uint64_t complete = 0;
   std::size_t number = 0;
-  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', complete)) {
-    std::string line = text.substr(complete, end - complete);
-    complete = end + 1;
-    ++number;
-    try {
-      const Json json = Json::parse(line);
-      const RunKey key{json.at("problem").get<std::string>(), json.at("strategy").get<std::string>(),
-                       json.at("seed").get<std::uint64_t>()};
-      // Without a strategy it is of a whole problem, and a later record replaces it.
-      const bool known = records.contains(key);
-      records.insert_or_assign(key, std::move(line));
-      if (known && !key.strategy.empty()) {
-        errors.add(Error(fmt::format("{}:{}: {} is there twice; delete one of the lines", file, number, key.text())));
+  for (std::string block; file.next(block) && !block.empty();) {
+    const std::size_t searched = text.size();
+    text += block;
+    std::size_t begin = 0;
+    for (std::size_t end = text.find('\n', searched); end != std::string::npos; end = text.find('\n', begin)) {
+      RecordLine line{{}, std::string_view(text).substr(begin, end - begin), ++number, complete + begin};
+      begin = end + 1;
+      try {
+        const Json json = Json::parse(line.text);
+        line.key = {json.at("problem").get<std::string>(), json.at("strategy").get<std::string>(),
+                    json.at("seed").get<std::uint64_t>()};
+        visit(line);
+      } catch (const Json::exception&) {
+        errors.add(Error(fmt::format(
+            "{}:{}: this is no record of a run; delete the line, and the same command runs it again", path, number)));
+      } catch (const Error& error) {
+        errors.add(error);
       }
-    } catch (const Json::exception&) {
-      errors.add(Error(fmt::format(
-          "{}:{}: this is no record of a run; delete the line, and the same command runs it again", file, number)));
     }
+    text.erase(0, begin);
+    complete += begin;
   }
+  if (!file.fault().empty()) throw Error(fmt::format("cannot read '{}': {}", path, file.fault()));
   errors.raise();
-  return records;
+  return complete;
+}
+
+namespace {
+
+/// Reads a part of an open file.
+std::string read_part(int file, std::uint64_t offset, std::size_t length, const std::string& path) {
+  std::string text(length, '\0');
+  for (std::size_t done = 0; done < length;) {
+    const ssize_t got = ::pread(file, text.data() + done, length - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) {
+      const std::string reason = got < 0 ? std::strerror(errno) : "it was shortened meanwhile";  // NOLINT
+      throw Error(fmt::format("cannot read '{}': {}", path, reason));
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  return text;
+}
+
+}  // namespace
+
+StoredRuns::StoredRuns(const std::string& experiment) : runs_(experiment), places_(runs_.size()) {}
+
+StoredRuns::~StoredRuns() {
+  for (const int file : open_) {
+    if (file >= 0) ::close(file);
+  }
+}
+
+void StoredRuns::add(const std::string& path) {
+  const auto number = static_cast<std::uint32_t>(files_.size());
+  files_.push_back(path);
+  open_.push_back(-1);
+  std::set<RunKey> unknown;
+  each_record(path, [&](const RecordLine& record) {
+    const auto twice = [&] {
+      return Error(
+          fmt::format("{}:{}: {} is there twice; delete one of the lines", path, record.number, record.key.text()));
+    };
+    const auto run = runs_.find(record.key);
+    if (!run) {
+      if (!unknown.insert(record.key).second) throw twice();
+      ++others_;
+      return;
+    }
+    Place& place = places_[*run];
+    if (place.length == 0) {
+      place = {record.offset, static_cast<std::uint32_t>(record.text.size()), number};
+    } else if (place.file == number) {
+      throw twice();
+    } else if (without_times(line(*run)) != without_times(std::string(record.text))) {
+      throw Error(
+          fmt::format("{}: {} differs from its record in a folder before; they ran on different programs or "
+                      "scenes",
+                      path, record.key.text()));
+    }
+  });
+}
+
+std::string StoredRuns::line(std::size_t run) const {
+  constexpr std::size_t most_open = 200;  // of 1024 that a process may have
+  const Place& place = places_.at(run);
+  int& file = open_[place.file];
+  if (file < 0) {
+    if (opened_ >= most_open) {
+      for (int& other : open_) {
+        if (other >= 0) ::close(std::exchange(other, -1));
+      }
+      opened_ = 0;
+    }
+    file = ::open(files_[place.file].c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) {
+      throw Error(fmt::format("cannot read '{}': {}", files_[place.file], std::strerror(errno)));  // NOLINT
+    }
+    ++opened_;
+  }
+  return read_part(file, place.offset, place.length, files_[place.file]);
 }
 
 std::string without_times(const std::string& line) {
@@ -231,17 +323,23 @@ std::string file_hash(const std::string& path) {
   return fmt::format("{:016x}", hash);
 }
 
-void write_results(const std::string& folder, const Manifest& manifest, const Records& records) {
-  std::vector<std::string> lines;
-  std::string text;
-  const std::vector<RunKey> keys = keys_of(manifest.experiment);
-  for (const std::size_t cell : cells_of(manifest.experiment, manifest.shard)) {
-    lines.push_back(records.at(keys[cell]));
-    text += lines.back() + '\n';
+void write_results(const std::string& folder, const Manifest& manifest,
+                   const std::function<std::string(std::size_t run)>& line) {
+  FileWriter runs(in(folder, "runs.jsonl"));
+  FileWriter document(in(folder, "results.json"));
+  FileWriter table(in(folder, "runs.csv"));
+  document.write(runs_document_begin(manifest.script, manifest.experiment));
+  table.write(runs_csv_header());
+  bool first = true;
+  for (const std::size_t run : cells_of(manifest.experiment, manifest.shard)) {
+    const std::string record = line(run);
+    runs.write(record + '\n');
+    document.write(runs_document_run(record, first));
+    table.write(runs_csv_row(record));
+    first = false;
   }
-  write_file(in(folder, "runs.jsonl"), text);
-  write_file(in(folder, "results.json"), runs_document(manifest.script, manifest.experiment, lines));
-  write_file(in(folder, "runs.csv"), runs_csv(lines));
+  document.write(runs_document_end(!first));
+  for (FileWriter* file : {&runs, &document, &table}) file->publish();
 }
 
 void require_same(const std::string& folder, const Manifest& manifest) {
@@ -263,7 +361,14 @@ RecordFile::RecordFile(const std::string& folder, const char* name, bool restart
   }
   try {
     if (restart && ::ftruncate(file_, 0) != 0) fail(path_, errno);
-    records_ = parse_records(dsl::read_file(path_, largest_file), path_, size_);
+    size_ = each_record(path_, [&](const RecordLine& record) {
+      const bool known = places_.contains(record.key);
+      places_.insert_or_assign(record.key, Place{record.offset, record.text.size()});
+      // Without a strategy it is of a whole problem, and a later record replaces it.
+      if (!known || record.key.strategy.empty()) return;
+      throw Error(
+          fmt::format("{}:{}: {} is there twice; delete one of the lines", path_, record.number, record.key.text()));
+    });
     if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path_, errno);
   } catch (...) {
     ::close(file_);
@@ -275,8 +380,9 @@ RecordFile::~RecordFile() { ::close(file_); }
 
 std::optional<std::string> RecordFile::find(const RunKey& key) const {
   const std::scoped_lock lock(mutex_);
-  const auto stored = records_.find(key);
-  return stored != records_.end() ? std::optional(stored->second) : std::nullopt;
+  const auto stored = places_.find(key);
+  if (stored == places_.end()) return std::nullopt;
+  return read_part(file_, stored->second.offset, stored->second.length, path_);
 }
 
 void RecordFile::append(const RunKey& key, const std::string& line) {
@@ -288,8 +394,8 @@ void RecordFile::append(const RunKey& key, const std::string& line) {
     static_cast<void>(::ftruncate(file_, static_cast<off_t>(size_)));
     fail(path_, reason);
   }
+  places_.insert_or_assign(key, Place{size_, line.size()});
   size_ += line.size() + 1;
-  records_.insert_or_assign(key, line);
 }
 
 }  // namespace trellis::command

@@ -43,7 +43,7 @@ class Resume : public RunStore {
             const std::function<void()>& draw);
 
   /// The runs with a record, and whether this process restored the scores of one.
-  [[nodiscard]] std::size_t runs() const { return runs_.records().size(); }
+  [[nodiscard]] std::size_t runs() const { return runs_.size(); }
   [[nodiscard]] bool restored() const { return restored_; }
 
   /// Replaces the records by those of the results, in their order.

@@ -12,7 +12,9 @@
 #include <dsl/command/script_options.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/core/stdlib.hpp>
+#include <dsl/language/core/tokens.hpp>
 #include <dsl/language/tools/session.hpp>
+#include <dsl/language/tools/words.hpp>
 #include <dsl/language/words/measure.hpp>
 #include <dsl/language/words/modules.hpp>
 #include <trellis/base/error.hpp>
@@ -76,6 +78,37 @@ void try_functions(const std::string& name, const StrategySpec& strategy, const 
   static_cast<void>(run_cell(name, strategy, problem, 1, {.interrupted = enough, .lift = false, .companion = false}));
 }
 
+/// Warns of local variables that hide a word of the language and that nothing uses, as in `local world = world { ...
+/// }`.
+void find_hidden_words(const std::string& source, const std::string& script, std::vector<std::string>& warnings) {
+  const std::vector<dsl::Token> all = dsl::tokens(source);
+  using Kind = dsl::Token::Kind;
+  for (const std::string& name : dsl::locals_outside(source)) {
+    const auto& words = dsl::words();
+    if (std::none_of(words.begin(), words.end(), [&](const dsl::Word& word) { return word.name == name; })) continue;
+    std::size_t declared = all.size();
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].kind != Kind::name || all[i].text != name) continue;
+      if (i > 0 && all[i - 1].text == "local") declared = std::min(declared, i);
+      // { world = world }: a field is no use, its value is.
+      const bool field =
+          (i > 0 && (all[i - 1].text == "." || all[i - 1].text == ":")) ||
+          (i > 0 && i + 1 < all.size() && all[i + 1].text == "=" && (all[i - 1].text == "{" || all[i - 1].text == ","));
+      if (!field) last = i;
+    }
+    // The word itself stands behind the declaration: local world = world { ... }.
+    if (declared + 2 >= all.size() || all[declared + 1].text != "=" || all[declared + 2].text != name ||
+        last > declared + 2) {
+      continue;
+    }
+    const auto line =
+        std::count(source.begin(), source.begin() + static_cast<std::ptrdiff_t>(all[declared].begin), '\n');
+    warnings.push_back(fmt::format("{}:{}: nothing uses the local '{}', which hides the word of the language", script,
+                                   line + 1, name));
+  }
+}
+
 /// Checks one script without planning, except for a few proposals that its functions guide; returns whether it has no
 /// fault.
 bool check_script(const std::string& script, const dsl::SessionOptions& options, std::string& text) {
@@ -85,6 +118,7 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
   const Experiment& experiment = program.experiment;
   std::vector<std::string> faults = session.unknown_names(source, script);
   std::vector<std::string> warnings = program.warnings;
+  find_hidden_words(source, script, warnings);
   for (std::string& warning : input_warnings(experiment)) warnings.push_back(std::move(warning));
   for (const Problem& problem : experiment.problems) {
     if (std::string warning = narrow_warning(problem); !warning.empty()) warnings.push_back(std::move(warning));

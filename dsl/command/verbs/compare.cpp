@@ -56,9 +56,12 @@ int compare(const Options& options) {
 
 void add_compare(CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  Subcommand verb = line.add("compare", "compare what strategies cost, seed by seed, in results of trellis run",
-                             [options] { return compare(*options); });
-  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
+  Subcommand verb =
+      line.add("compare", "compare what strategies cost, seed by seed, in results of trellis run", [options] {
+        name_documents(options->files);
+        return compare(*options);
+      });
+  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote, or folders of --out");
   verb.text("--baseline", "NAME", options->baseline,
             "the strategy that the others are compared with, instead of the experiment's");
   verb.flag(

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -13,16 +12,13 @@
 #include <dsl/command/store/export.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/command/store/records.hpp>
-#include <dsl/language/core/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/report/files.hpp>
 #include <trellis/report/records.hpp>
-#include <trellis/report/report.hpp>
 
 namespace trellis::command {
 
 namespace {
-
-constexpr std::size_t largest_file = std::size_t{4} << 30U;
 
 struct Options {
   std::vector<std::string> folders;  ///< of trellis sweep
@@ -32,37 +28,25 @@ struct Options {
   std::string csv;                   ///< a file, "" if not given
 };
 
-/// Adds a folder's records. Records of one run must be equal, except for times; the first one remains.
-void add_records(Records& all, const std::string& folder) {
-  const std::string path = (std::filesystem::path(folder) / "runs.jsonl").string();
-  std::size_t complete = 0;
-  for (const auto& [key, line] : parse_records(dsl::read_file(path, largest_file), path, complete)) {
-    const auto [at, added] = all.emplace(key, line);
-    if (!added && without_times(at->second) != without_times(line)) {
-      throw Error(
-          fmt::format("{}: {} differs from its record in a folder before; they ran on different programs or "
-                      "scenes",
-                      path, key.text()));
-    }
-  }
-}
-
 /// \throws Error that names the first missing run and the first that the experiment does not have.
-void check_complete(const Manifest& manifest, const Records& records) {
-  const std::vector<RunKey> keys = keys_of(manifest.experiment);
-  const auto missing = [&](const RunKey& key) { return !records.contains(key); };
-  const auto count = std::count_if(keys.begin(), keys.end(), missing);
+void check_complete(const StoredRuns& records) {
+  std::size_t count = 0;
+  std::size_t first = 0;
+  for (std::size_t run = records.runs().size(); run-- > 0;) {
+    if (records.contains(run)) continue;
+    ++count;
+    first = run;
+  }
   if (count > 0) {
     throw Error(fmt::format("merge: {} of {} runs are missing, the first is {}; repeat the sweep of its shard", count,
-                            keys.size(), std::find_if(keys.begin(), keys.end(), missing)->text()));
+                            records.runs().size(), records.runs().key(first).text()));
   }
-  if (records.size() > keys.size()) {
-    throw Error(
-        fmt::format("merge: {} records are of runs that the experiment does not have", records.size() - keys.size()));
+  if (records.others() > 0) {
+    throw Error(fmt::format("merge: {} records are of runs that the experiment does not have", records.others()));
   }
 }
 
-void write_folder(const Options& options, const Manifest& manifest, const Records& records) {
+void write_folder(const Options& options, const Manifest& manifest, const StoredRuns& records) {
   OutputFolder out(options.out);
   // The same command replaces what it wrote.
   const std::string difference =
@@ -70,7 +54,7 @@ void write_folder(const Options& options, const Manifest& manifest, const Record
   if (!difference.empty()) {
     throw Error(fmt::format("--out: '{}' holds other runs: {}; name another folder", options.out, difference));
   }
-  write_results(options.out, manifest, records);
+  write_results(options.out, manifest, [&](std::size_t run) { return records.line(run); });
   manifest.write(options.out);
   out.keep();
 }
@@ -85,26 +69,27 @@ int merge(const Options& options) {
     require_replaceable_database(options.sqlite);
   }
   Manifest manifest = Manifest::read(options.folders.front());
-  Records records;
+  StoredRuns records(manifest.experiment);
   for (const std::string& folder : options.folders) {
     const std::string difference = manifest.difference(Manifest::read(folder), false);
     if (!difference.empty()) {
       throw Error(
           fmt::format("merge: '{}' and '{}' are of different sweeps: {}", options.folders.front(), folder, difference));
     }
-    add_records(records, folder);
+    records.add((std::filesystem::path(folder) / "runs.jsonl").string());
   }
   manifest.shard = {};
-  check_complete(manifest, records);
+  check_complete(records);
   std::vector<std::string> written;
   if (!options.out.empty()) {
     write_folder(options, manifest, records);
     written.push_back(fmt::format("'{}'", options.out));
   }
   if (!options.csv.empty()) {
-    std::vector<std::string> lines;
-    for (const RunKey& key : keys_of(manifest.experiment)) lines.push_back(records.at(key));
-    write_file(options.csv, runs_csv(lines));
+    FileWriter table(options.csv);
+    table.write(runs_csv_header());
+    for (std::size_t run = 0; run < records.runs().size(); ++run) table.write(runs_csv_row(records.line(run)));
+    table.publish();
     written.push_back(fmt::format("'{}'", options.csv));
   }
   if (!options.sqlite.empty()) {
@@ -117,7 +102,7 @@ int merge(const Options& options) {
     folder.keep();
     written.push_back(fmt::format("'{}'", options.pdt));
   }
-  print_all(fmt::format("{} runs of {} folder{} in {}\n", records.size(), options.folders.size(),
+  print_all(fmt::format("{} runs of {} folder{} in {}\n", records.runs().size(), options.folders.size(),
                         options.folders.size() == 1 ? "" : "s", fmt::join(written, ", ")));
   return success;
 }

@@ -233,9 +233,11 @@ int plot(const Options& options) {
 
 void add_plot(CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  Subcommand verb =
-      line.add("plot", "draw stored results of trellis run, without planning", [options] { return plot(*options); });
-  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
+  Subcommand verb = line.add("plot", "draw stored results of trellis run, without planning", [options] {
+    name_documents(options->files);
+    return plot(*options);
+  });
+  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote, or folders of --out");
   verb.choice(
       "--figure", figure_names(), options->figure,
       "the figure of this name alone (default all that the results suffice for); those of samples and of motions "

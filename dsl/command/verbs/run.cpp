@@ -401,7 +401,7 @@ int run(const Options& options) {
     resume.emplace(options.out, manifest, options.restart, has_other_outputs(options));
     if (resume->runs() > 0 && !options.quiet) {
       print_message(fmt::format("continues '{}', which holds {} of {} runs; --restart starts again", options.out,
-                                resume->runs(), keys_of(manifest.experiment).size()));
+                                resume->runs(), RunList(manifest.experiment).size()));
     }
     out.keep();
   }

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <dsl/command/commands.hpp>
@@ -58,7 +59,7 @@ std::string options_text(const Options& options) {
 }
 
 /// Runs the missing cells.
-void run_missing(const Experiment& experiment, const std::vector<std::size_t>& missing, const std::vector<RunKey>& keys,
+void run_missing(const Experiment& experiment, const std::vector<std::size_t>& missing, const RunList& runs,
                  RecordFile& file, const Options& options, std::size_t all) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
@@ -82,7 +83,7 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
         check_unused_guides(spec, experiment.problems[cell / seeds / strategies], run.run);
       }
       release(run);
-      file.append(keys[cell], run_line(run));
+      file.append(runs.key(cell), run_line(run));
       const std::scoped_lock lock(mutex);
       progress.show(++done, all);
     } catch (...) {
@@ -106,19 +107,23 @@ int sweep(const Options& options) {
   RecordFile file(options.out, "runs.jsonl", options.restart);
   if (options.restart || !Manifest::exists(options.out)) manifest.write(options.out);
   out.keep();
-  const std::vector<RunKey> keys = keys_of(manifest.experiment);
+  const RunList runs(manifest.experiment);
   const std::vector<std::size_t> cells = cells_of(manifest.experiment, manifest.shard);
   std::vector<std::size_t> missing;
   for (const std::size_t cell : cells) {
-    if (!file.records().contains(keys[cell])) missing.push_back(cell);
+    if (!file.contains(runs.key(cell))) missing.push_back(cell);
   }
   try {
-    run_missing(experiment, missing, keys, file, options, cells.size());
+    run_missing(experiment, missing, runs, file, options, cells.size());
   } catch (const Interrupted&) {
     throw Interrupted(fmt::format("interrupted; '{}' holds {} of {} runs; the same command continues", options.out,
-                                  file.records().size(), cells.size()));
+                                  file.size(), cells.size()));
   }
-  write_results(options.out, manifest, file.records());
+  write_results(options.out, manifest, [&](std::size_t run) {
+    auto line = file.find(runs.key(run));
+    if (!line) throw Error(fmt::format("'{}' lacks the record of {}", options.out, runs.key(run).text()));
+    return std::move(*line);
+  });
   if (!options.quiet) {
     print_all(fmt::format("{} runs in '{}', {} of them new\n", cells.size(), options.out, missing.size()));
   }

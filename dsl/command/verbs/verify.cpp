@@ -98,9 +98,11 @@ int verify(const Options& options) {
 
 void add_verify(CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  Subcommand verb =
-      line.add("verify", "certify the paths in results of trellis run again", [options] { return verify(*options); });
-  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
+  Subcommand verb = line.add("verify", "certify the paths in results of trellis run again", [options] {
+    name_documents(options->files);
+    return verify(*options);
+  });
+  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote, or folders of --out");
   verb.text("--script", "FILE", options->script, "the script of the results, instead of the one that they name");
   verb.integer("--seed", "SEED", 0, dsl::largest_seed, options->seed,
                "the --seed that trellis run had, where the script makes random worlds");

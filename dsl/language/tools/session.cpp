@@ -137,7 +137,8 @@ void Session::as_script(const std::string& text, const std::string& name, const 
     *quiet = false;
     return std::make_shared<RunInterpreter>(RunInterpreter{session.interpreter_, session.book_});
   };
-  book_->reload = std::make_shared<const Reload>(Reload{load});
+  // Scripts that are trusted reach files and the interpreter itself, whose state no snapshot has.
+  book_->reload = std::make_shared<const Reload>(load, !options_.trust);
   book_->first = book_->definitions.size();
   try {
     body();

@@ -192,19 +192,31 @@ std::string options_text(const std::string& name, std::size_t width) {
   return text;
 }
 
-/// Returns the words that have `name` as a part, then those whose summary names it; "" for none.
+/// Returns the words near a name, "" for none: those that have it as a part; those that make a value which it names,
+/// such as box of an obstacle; constructors, then other words, whose summary names it.
 std::string near_words(const std::string& name, std::size_t width) {
-  constexpr std::size_t most = 12;
-  std::vector<const Word*> found;
-  for (const bool by_name : {true, false}) {
-    for (const Word& word : words()) {
-      const bool named = has_part(word.name, name);
-      if (named == by_name && (named || has_part(word.summary, name)) && found.size() < most) found.push_back(&word);
+  constexpr std::size_t most = 14;
+  const auto makes = [&](const Word& word) {
+    const auto& types = object_types();
+    return std::any_of(types.begin(), types.end(), [&](const ObjectType& type) {
+      return type.name == word.returns && has_part(type.summary, name);
+    });
+  };
+  std::vector<std::pair<int, const Word*>> found;
+  for (const Word& word : words()) {
+    if (has_part(word.name, name)) {
+      found.emplace_back(0, &word);
+    } else if (word.kind == Word::Kind::constructor && makes(word)) {
+      found.emplace_back(1, &word);
+    } else if (has_part(word.summary, name)) {
+      found.emplace_back(word.kind == Word::Kind::constructor ? 2 : 3, &word);
     }
   }
   if (found.empty()) return "";
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  found.resize(std::min(found.size(), most));
   std::string text = fmt::format("{} is no word; near it are\n\n", name);
-  for (const Word* word : found) text += row(word->name, word->summary, width);
+  for (const auto& [rank, word] : found) text += row(word->name, word->summary, width);
   return text;
 }
 

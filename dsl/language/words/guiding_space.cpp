@@ -18,6 +18,7 @@
 #include <dsl/language/words/known_value.hpp>
 #include <dsl/language/words/scene_values.hpp>
 #include <dsl/lua/digest.hpp>
+#include <dsl/lua/snapshot.hpp>
 #include <trellis/guide/pieces.hpp>
 
 namespace trellis::dsl {
@@ -346,7 +347,7 @@ class ScriptGuideSpec final : public CustomGuide {
       if (!run->state) throw Error("the session that it was written in is over");
       return make_script_guide(run, definition_, called_, site);
     }
-    const auto run = site.shared.get<RunInterpreter>(reload_.get(), reload_->load);
+    const auto run = site.shared.get<RunInterpreter>(reload_.get(), [this] { return reload_->interpreter(); });
     const auto& definitions = run->book->definitions;
     if (number_ >= definitions.size() || definitions[number_]->identity != identity_) {
       throw Error(fmt::format(
@@ -385,6 +386,8 @@ int make_guiding_space(Stack& call, const std::shared_ptr<GuideBook>& book) {
     if (!fits(slot, value)) arguments.reject(std::string(slot_name(slot)));
     definition->types[i] = value.type();
     definition->values[i] = std::make_shared<const lua::Reference>(call, value);
+    const auto function = call.definition(value);
+    definition->parameters[i] = function && !function->variadic ? function->parameters : most_parameters;
     definition->known[i] = takes_known(call, slot, value);
     if (slot == Slot::valid) definition->validity = value.string().value_or("");
     if (slot == Slot::space && value.type() == Type::table) {
@@ -485,6 +488,75 @@ std::string identity_of(const GuideSpec& distribution) {
 }
 
 }  // namespace
+
+/// An interpreter that has loaded the script, and its state after that.
+struct Reload::Loaded {
+  explicit Loaded(std::shared_ptr<RunInterpreter> interpreter) : run(std::move(interpreter)) {
+    std::vector<const lua::Reference*> roots;
+    for (const auto& definition : run->book->definitions) roots.push_back(definition->table.get());
+    for (const auto& definition : run->book->definitions) {
+      for (const auto& value : definition->values) {
+        if (value) roots.push_back(value.get());
+      }
+    }
+    run->state->run([&](Stack& stack) { state.emplace(stack, roots); });
+    made = counts();
+  }
+  Loaded(const Loaded&) = delete;
+  Loaded& operator=(const Loaded&) = delete;
+  ~Loaded() = default;
+
+  /// What functions of the language add to when they are called.
+  [[nodiscard]] std::array<std::size_t, 3> counts() const {
+    return {run->book->definitions.size(), run->book->given->size(), run->book->warnings->size()};
+  }
+  [[nodiscard]] bool unchanged() const {
+    if (run->failed || counts() != made) return false;
+    bool same = false;
+    run->state->run([&](Stack& stack) { same = state->unchanged(stack); });
+    return same;
+  }
+
+  std::shared_ptr<RunInterpreter> run;
+  std::optional<lua::Snapshot> state;
+  std::array<std::size_t, 3> made{};
+};
+
+Reload::Reload(std::function<std::shared_ptr<RunInterpreter>()> load, bool reuse)
+    : load_(std::move(load)), reuse_(reuse) {}
+
+Reload::~Reload() = default;
+
+std::shared_ptr<RunInterpreter> Reload::interpreter() const {
+  std::shared_ptr<Loaded> loaded;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!idle_.empty()) {
+      loaded = std::move(idle_.back());
+      idle_.pop_back();
+    }
+  }
+  if (!loaded) {
+    ++loads_;
+    auto run = load_();
+    if (!reuse_) return run;
+    loaded = std::make_shared<Loaded>(std::move(run));
+  }
+  RunInterpreter* run = loaded->run.get();
+  const auto back = [self = shared_from_this(), loaded = std::move(loaded)](RunInterpreter*) mutable {
+    self->take_back(std::move(loaded));
+  };
+  return {run, back};
+}
+
+void Reload::take_back(std::shared_ptr<Loaded> loaded) const {
+  try {
+    if (!loaded->unchanged()) return;
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(loaded));
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the next run loads the script
+  }
+}
 
 std::string_view slot_name(Slot slot) {
   constexpr std::array<std::string_view, slots> names = {"space",   "project", "lift",  "valid",

@@ -40,6 +40,7 @@ enum class Slot : std::uint8_t {
   count
 };
 inline constexpr auto slots = static_cast<std::size_t>(Slot::count);
+inline constexpr int most_parameters = 255;  ///< of a function of Lua
 std::string_view slot_name(Slot slot);
 
 /// One `guiding_space { ... }` in one interpreter.
@@ -50,6 +51,7 @@ struct GuideDefinition {
   std::shared_ptr<const lua::Reference> table;  ///< its source table
   std::array<std::shared_ptr<const lua::Reference>, slots> values;  ///< nullptr: not given
   std::array<lua::Type, slots> types{};
+  std::array<int, slots> parameters{};  ///< of a function, those that it names; most_parameters for one with "..."
   std::array<bool, slots> known{};  ///< functions that make S of what is known: they take it as their second argument
   std::string validity;             ///< "free" or "parent" where `valid` has that value
   bool spaceless = false;           ///< S = {0}
@@ -58,6 +60,10 @@ struct GuideDefinition {
     return values[static_cast<std::size_t>(slot)].get();
   }
   [[nodiscard]] bool calls(Slot slot) const { return types[static_cast<std::size_t>(slot)] == lua::Type::function; }
+  /// How many of `count` arguments a function receives; those that it does not name need not be made.
+  [[nodiscard]] int arguments(Slot slot, int count) const {
+    return std::min(parameters[static_cast<std::size_t>(slot)], count);
+  }
   /// Whether a function makes S of what is known about C.
   [[nodiscard]] bool uses_known() const {
     return std::any_of(known.begin(), known.end(), [](bool takes) { return takes; });
@@ -75,11 +81,35 @@ struct RunInterpreter {
   std::shared_ptr<const GuideBook> book;
   /// The lock of a session's own interpreter, for which other threads may wait.
   std::shared_ptr<std::recursive_mutex> shared = nullptr;
+  bool failed = false;  ///< a call ended with an error
 };
 
-/// A script that can be loaded again, with the state in which it created its guides.
-struct Reload {
-  std::function<std::shared_ptr<RunInterpreter>()> load;
+/// A script that can be loaded again, so that each run has an interpreter in the state that loading left. A run returns
+/// its interpreter when the last user of it has gone; the next run on any thread takes it, unless a value that the
+/// script's functions can reach has changed. So no run receives a state of another, and most runs do not load.
+class Reload : public std::enable_shared_from_this<Reload> {
+ public:
+  /// \param load   loads the script into a new interpreter
+  /// \param reuse  whether runs may take interpreters of others
+  Reload(std::function<std::shared_ptr<RunInterpreter>()> load, bool reuse);
+  ~Reload();
+  Reload(const Reload&) = delete;
+  Reload& operator=(const Reload&) = delete;
+
+  /// Thread-safe.
+  [[nodiscard]] std::shared_ptr<RunInterpreter> interpreter() const;
+  /// The number of times that the script was loaded.
+  [[nodiscard]] std::size_t loads() const { return loads_.load(); }
+
+ private:
+  struct Loaded;
+  void take_back(std::shared_ptr<Loaded> loaded) const;
+
+  std::function<std::shared_ptr<RunInterpreter>()> load_;
+  bool reuse_;
+  mutable std::atomic<std::size_t> loads_{0};
+  mutable std::mutex mutex_;
+  mutable std::vector<std::shared_ptr<Loaded>> idle_;  ///< guarded by the mutex
 };
 
 /// The guides that the scripts of one interpreter have created.

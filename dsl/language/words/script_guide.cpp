@@ -173,8 +173,13 @@ class Calls {
     if (run_->shared) lock = std::unique_lock(*run_->shared);
     RandomSource& random = *run_->book->random;
     const Restore restore{random.now, std::exchange(random.now, &math_)};
-    // A function object of this size needs no heap memory.
-    run_->state->run([&body](Stack& stack) { body(stack); }, run_->book->each);
+    try {
+      // A function object of this size needs no heap memory.
+      run_->state->run([&body](Stack& stack) { body(stack); }, run_->book->each);
+    } catch (...) {
+      run_->failed = true;
+      throw;
+    }
   }
 
  private:
@@ -612,8 +617,9 @@ void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
       Slot::observe, *calls_->definition()[Slot::observe],
       [&] { return fmt::format("observe, outcome {}", reported_); },
       [&](Stack& stack) {
-        table_.push(stack, outcome, mine);
-        return 1;
+        const int count = calls_->definition().arguments(Slot::observe, 1);
+        if (count > 0) table_.push(stack, outcome, mine);
+        return count;
       },
       [&](Stack& stack) {
         if (stack.size() > 0 && stack[1].given()) returned = guide_.read_returned(stack);
@@ -654,6 +660,7 @@ void ScriptGuide::with_value(Slot slot, Instance& parent, const Read& read) cons
   calls_->call(
       slot, value, [&] { return std::string(slot_name(slot)); },
       [&](Stack& stack) {
+        if (calls_->definition().arguments(slot, 1) == 0) return 0;
         push_instance(stack, parent, asked);
         if (!calls_->definition().known[static_cast<std::size_t>(slot)]) return 1;
         push_known(stack, known_);
@@ -973,9 +980,10 @@ std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instan
     calls_->call(
         Slot::heuristic, *calls_->definition()[Slot::heuristic], [] { return std::string("heuristic"); },
         [&](Stack& stack) {
-          push_found(stack, found);
-          push_instance(stack, parent, asked_);
-          return 2;
+          const int count = calls_->definition().arguments(Slot::heuristic, 2);
+          if (count > 0) push_found(stack, found);
+          if (count > 1) push_instance(stack, parent, asked_);
+          return count;
         },
         [&](Stack& stack) { returned = read_returned(stack); });
   } else {

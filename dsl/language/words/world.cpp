@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <dsl/language/core/nested_lists.hpp>
 #include <dsl/language/core/word.hpp>
@@ -16,6 +17,7 @@
 #include <dsl/language/words/spatial_world.hpp>
 #include <trellis/scene/planar/shapes.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
+#include <trellis/scene/recentred.hpp>
 #include <trellis/scene/visit.hpp>
 
 namespace trellis::dsl {
@@ -431,6 +433,9 @@ const std::vector<Field>& robot_members() {
   static const std::vector<Field> members = {
       {"scaled", "fun(self: trellis.Robot, factor: number): trellis.Robot", "",
        "the same robot, scaled about its reference point"},
+      {"recentred", "fun(self: trellis.Robot): trellis.Robot, fun(q: number[]): number[]", "",
+       "the same rigid body about the centre of the largest disc or ball inside of it, and a function that converts "
+       "configurations: start = moved {1, 1, 0}"},
       {"bounding_radius", "number", "", "no point of it is ever farther than this from its reference point, in metres"},
       {"inscribed_radius", "number", "",
        "of the largest disc, or ball, about the reference point inside of it, in metres"}};
@@ -575,13 +580,38 @@ int scale_robot(Stack& call) {
   return call.result(robot->scaled(*factor));
 }
 
+/// Pushes the recentred robot, and the function that converts configurations.
+template <class R>
+int recentre_robot(Stack& call) {
+  const auto* robot = call[1].get<R>();
+  if (robot == nullptr) throw Error("recentred is called with a colon: local r, moved = robot:recentred()");
+  auto result = recentred(*robot);
+  call.push_object(std::move(result.robot));
+  call.push_function([before = *robot, offset = result.offset](Stack& use) {
+    std::vector<double> q;
+    if (use[1].type() == Type::table) {
+      q = read_numbers(use[1], "recentred: the configuration to convert");
+    } else {
+      for (int i = 1; i <= use.count(); ++i) q.push_back(use[i].number().value_or(std::nan("")));
+    }
+    const bool numbers = std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
+    if (q.size() != before.dimension() || !numbers) {
+      throw Error(fmt::format("recentred: a configuration of the robot has {} coordinates, got {}", before.dimension(),
+                              use.count() == 1 ? describe(use[1]) : fmt::format("{} values", use.count())));
+    }
+    push_numbers(use, recentred_configuration(before, offset, q));
+    return 1;
+  });
+  return 2;
+}
+
 template <class R>
 int read_robot(Stack& call) {
   const R robot = *call[1].get<R>();
   const std::string name = member(call, robot_members(), "a robot");
   if (name == "bounding_radius") return call.result(robot.bounding_radius());
   if (name == "inscribed_radius") return call.result(robot.inscribed_radius());
-  call.push_function(scale_robot<R>);
+  call.push_function(name == "recentred" ? recentre_robot<R> : scale_robot<R>);
   return 1;
 }
 

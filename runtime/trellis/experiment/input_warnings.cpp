@@ -358,10 +358,11 @@ void find_reference_at_rim(const GuideSpec& guide, const Problem& problem, const
   if (!std::get<bool>(guide.options().at("prune")) || scene.is_point() || !scene.translates()) return;
   if (scene.inscribed_radius() > least * scene.bounding_radius()) return;
   add_once(
-      fmt::format("{}: the reference point of the robot of problem '{}' lies {} its body, so that the guide plans "
-                  "for a point and keeps gaps that are too narrow for the robot; give the body about a point well "
-                  "inside it, and start and goal for this point",
-                  where, problem.name, scene.inscribed_radius() > 0.0 ? "near the rim of" : "outside or on the rim of"),
+      fmt::format(
+          "{}: the reference point of the robot of problem '{}' lies {} its body, so that the guide plans "
+          "for a point and keeps gaps that are too narrow for the robot; robot:recentred() is the same body about a "
+          "point well inside it, with a function for start and goal",
+          where, problem.name, scene.inscribed_radius() > 0.0 ? "near the rim of" : "outside or on the rim of"),
       warnings);
 }
 

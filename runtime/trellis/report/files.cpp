@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/report/files.hpp>
@@ -111,14 +113,6 @@ int flush(int file) {
   return errno;
 }
 
-void write_stream(const std::string& path, const std::string& content) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-  if (file < 0) fail(path, errno);
-  int reason = write_all(file, content);
-  if (::close(file) != 0 && reason == 0 && errno != EINTR) reason = errno;
-  if (reason != 0) fail(path, reason);
-}
-
 /// Terminals, pipes and devices accept a stream of bytes; renaming a file over them would replace the device itself.
 bool is_stream(const std::string& path) {
   struct stat status {};
@@ -141,9 +135,23 @@ int write_all(int file, std::string_view content) {
   return 0;
 }
 
-void write_file(const std::string& path, const std::string& content, Flush flushed) {
+/// A stream that is written to at once, or the draft of a file.
+struct FileWriter::Target {
+  int stream = -1;
+  std::optional<Draft> draft;
+  [[nodiscard]] int file() const { return draft ? draft->file() : stream; }
+  Target() = default;
+  ~Target() {
+    if (stream >= 0) ::close(stream);
+  }
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+};
+
+FileWriter::FileWriter(const std::string& path) : path_(path), target_(std::make_unique<Target>()) {
   if (is_stream(path)) {
-    write_stream(path, content);
+    target_->stream = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    if (target_->stream < 0) fail(path, errno);
     return;
   }
   // Follow a link, so that its target is replaced and not the link.
@@ -155,16 +163,49 @@ void write_file(const std::string& path, const std::string& content, Flush flush
   }
   // rename() would fail too, but only after writing everything.
   if (fs::is_directory(target, ignored)) fail(path, EISDIR);
-
-  Draft draft(target);
-  if (draft.file() < 0) fail(path, errno);
+  target_->draft.emplace(target);
+  if (target_->draft->file() < 0) fail(path, errno);
   struct stat before {};
   // The permissions are those of the file that it replaces.
-  if (::stat(target.c_str(), &before) == 0) static_cast<void>(::fchmod(draft.file(), before.st_mode & 0777U));
-  int reason = write_all(draft.file(), content);
-  if (reason == 0 && flushed == Flush::disk) reason = flush(draft.file());
-  if (reason == 0) reason = draft.publish();
-  if (reason != 0) fail(path, reason);
+  if (::stat(target.c_str(), &before) == 0) {
+    static_cast<void>(::fchmod(target_->draft->file(), before.st_mode & 0777U));
+  }
+}
+
+FileWriter::~FileWriter() = default;
+
+void FileWriter::flush_buffer() {
+  const int reason = write_all(target_->file(), buffer_);
+  buffer_.clear();
+  if (reason != 0) fail(path_, reason);
+}
+
+void FileWriter::write(std::string_view text) {
+  constexpr std::size_t much = std::size_t{1} << 16U;
+  if (buffer_.size() + text.size() < much) {
+    buffer_ += text;
+    return;
+  }
+  flush_buffer();
+  if (const int reason = write_all(target_->file(), text); reason != 0) fail(path_, reason);
+}
+
+void FileWriter::publish(Flush flushed) {
+  flush_buffer();
+  int reason = 0;
+  if (!target_->draft) {
+    if (::close(std::exchange(target_->stream, -1)) != 0 && errno != EINTR) reason = errno;
+  } else {
+    if (flushed == Flush::disk) reason = flush(target_->draft->file());
+    if (reason == 0) reason = target_->draft->publish();
+  }
+  if (reason != 0) fail(path_, reason);
+}
+
+void write_file(const std::string& path, const std::string& content, Flush flushed) {
+  FileWriter file(path);
+  file.write(content);
+  file.publish(flushed);
 }
 
 void write_new_file(const std::string& path, const std::string& content) {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+#include <string>
 #include <string_view>
+
+#include <trellis/report/report.hpp>
 
 namespace trellis {
 
@@ -9,5 +13,28 @@ namespace trellis {
 /// \param file  a file descriptor
 /// \return 0, or the system's error number; then a part of the bytes may have been written
 int write_all(int file, std::string_view content);
+
+/// Writes a file part by part, as write_file() writes a whole one: before `publish` the file has its old content. A
+/// stream, such as a pipe, receives each part at once. \throws Error that names the path and the reason
+class FileWriter {
+ public:
+  explicit FileWriter(const std::string& path);
+  /// Removes what was not published.
+  ~FileWriter();
+  FileWriter(const FileWriter&) = delete;
+  FileWriter& operator=(const FileWriter&) = delete;
+
+  void write(std::string_view text);
+  /// Gives the file its name, once everything was written.
+  void publish(Flush flushed = Flush::disk);
+
+ private:
+  struct Target;
+  void flush_buffer();
+
+  std::string path_;
+  std::unique_ptr<Target> target_;
+  std::string buffer_;
+};
 
 }  // namespace trellis

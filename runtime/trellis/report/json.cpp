@@ -739,16 +739,19 @@ std::string run_line(const RunResult& run) { return dump(run_json(run)); }
 
 std::string experiment_line(const Experiment& experiment) { return dump(experiment_json(experiment)); }
 
-std::string runs_document(const std::string& script, const std::string& experiment,
-                          const std::vector<std::string>& runs) {
+std::string runs_document_begin(const std::string& script, const std::string& experiment) {
   std::string out = "{\n";
   out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";
   out += " \"script\": " + dump(script) + ",\n";
   out += " \"experiment\": " + experiment + ",\n";
-  out += " \"runs\": [";
-  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "\n  " : ",\n  ") + runs[i];
-  out += runs.empty() ? "],\n" : "\n ],\n";
-  return out + " \"summary\": [],\n \"comparisons\": [],\n \"warnings\": []\n}\n";
+  return out + " \"runs\": [";
+}
+
+std::string runs_document_run(const std::string& line, bool first) { return (first ? "\n  " : ",\n  ") + line; }
+
+std::string runs_document_end(bool any) {
+  const std::string end = any ? "\n ],\n" : "],\n";
+  return end + " \"summary\": [],\n \"comparisons\": [],\n \"warnings\": []\n}\n";
 }
 
 }  // namespace trellis

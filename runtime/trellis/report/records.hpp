@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <trellis/experiment/experiment.hpp>
 
@@ -15,16 +14,20 @@ std::string run_line(const RunResult& run);
 /// Returns the field `experiment`, on one line without its end.
 std::string experiment_line(const Experiment& experiment);
 
-/// Returns a document of stored runs. `summary`, `comparisons` and `warnings` are empty.
-/// \param script      the path as given on the command line
-/// \param experiment  a result of experiment_line()
-/// \param runs        results of run_line()
-std::string runs_document(const std::string& script, const std::string& experiment,
-                          const std::vector<std::string>& runs);
+/// The parts of a document of stored runs: its beginning, each run, its end. `summary`, `comparisons` and `warnings`
+/// are empty. \param script      the path as given on the command line \param experiment  a result of experiment_line()
+std::string runs_document_begin(const std::string& script, const std::string& experiment);
+/// \param line   a result of run_line()
+/// \param first  whether it is the first run
+std::string runs_document_run(const std::string& line, bool first);
+/// \param any  whether the document has a run
+std::string runs_document_end(bool any);
 
-/// Returns the runs as a table in CSV: a header and a row for each run. Cells without a value are empty.
-/// \param runs  results of run_line()
-std::string runs_csv(const std::vector<std::string>& runs);
+/// The parts of the runs as a table in CSV: its header, and the row of a run. Cells without a value are empty.
+std::string runs_csv_header();
+/// \param line  a result of run_line()
+std::string runs_csv_row(const std::string& line);
+/// Returns the whole table.
 std::string runs_csv(const ExperimentResult& result);
 
 }  // namespace trellis

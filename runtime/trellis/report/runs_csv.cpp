@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include <trellis/report/csv.hpp>
 #include <trellis/report/records.hpp>
@@ -72,32 +71,32 @@ std::string cell(const Json& value) {
 
 }  // namespace
 
-std::string runs_csv(const std::vector<std::string>& runs) {
+std::string runs_csv_header() {
   std::string text;
-  for (const Column& column : columns) text += (text.empty() ? "" : ",") + std::string(column.name);
-  text += ",levels,resolves\n";
-  for (const std::string& line : runs) {
-    const Json run = Json::parse(line);
-    for (const Column& column : columns) {
-      const Json::json_pointer place(column.place);
-      if (run.contains(place)) text += cell(run.at(place));
-      text += ',';
-    }
-    std::uint64_t resolves = 0;
-    for (const Json& level : run.at("levels")) {
-      const auto solves = level.at("solves").get<std::uint64_t>();
-      resolves += solves > 0 ? solves - 1 : 0;
-    }
-    text += std::to_string(run.at("levels").size()) + ',' + std::to_string(resolves) + '\n';
+  for (const Column& column : columns) text += std::string(column.name) + ',';
+  return text + "levels,resolves\n";
+}
+
+std::string runs_csv_row(const std::string& line) {
+  const Json run = Json::parse(line);
+  std::string text;
+  for (const Column& column : columns) {
+    const Json::json_pointer place(column.place);
+    if (run.contains(place)) text += cell(run.at(place));
+    text += ',';
   }
-  return text;
+  std::uint64_t resolves = 0;
+  for (const Json& level : run.at("levels")) {
+    const auto solves = level.at("solves").get<std::uint64_t>();
+    resolves += solves > 0 ? solves - 1 : 0;
+  }
+  return text + std::to_string(run.at("levels").size()) + ',' + std::to_string(resolves) + '\n';
 }
 
 std::string runs_csv(const ExperimentResult& result) {
-  std::vector<std::string> lines;
-  lines.reserve(result.runs.size());
-  for (const RunResult& run : result.runs) lines.push_back(run_line(run));
-  return runs_csv(lines);
+  std::string text = runs_csv_header();
+  for (const RunResult& run : result.runs) text += runs_csv_row(run_line(run));
+  return text;
 }
 
 }  // namespace trellis
