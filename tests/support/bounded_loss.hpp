@@ -27,8 +27,8 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
   const auto checks = [](const RunRecord& run) { return static_cast<double>(run.validity_checks); };
   CHECK(guided.work == law.guided.work + law.unguided.work);
   CHECK(checks(guided) == law.guided.checks + law.unguided.checks);
-  CHECK(guided.work <= law.bound * alone.work + law.constant + law.largest_step.work);
-  CHECK(checks(guided) <= law.bound * checks(alone) + law.constant + law.largest_step.checks);
+  CHECK(guided.work <= law.bound * alone.work + law.constant.work + law.largest_step.work);
+  CHECK(checks(guided) <= law.bound * checks(alone) + law.constant.checks + law.largest_step.checks);
   CHECK(law.unguided.work <= alone.work);
   CHECK(law.unguided.checks <= checks(alone));
   // A run that the unguided planner solves is solved.

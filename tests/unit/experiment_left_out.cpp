@@ -43,7 +43,7 @@ TEST_CASE("each guide is left out on the same seeds, unless a strategy of the ex
          {std::pair{&result.left_out[0], &without_shrink}, {&result.left_out[1], &without_skeleton}}) {
       REQUIRE(left_out->costs.size() == 6);
       const RunRecord own = execute(*strategy, experiment.problems.front(), experiment.seeds[i]);
-      const double limit = most_left_out_work * result.runs[i].run.work + companion_constant;
+      const double limit = most_left_out_work * result.runs[i].run.work + companion_constant.work;
       if (own.work >= limit) {
         CHECK_FALSE(left_out->costs[i].solved);
       } else {

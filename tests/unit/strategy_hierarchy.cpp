@@ -221,7 +221,7 @@ TEST_CASE("guides are set up only when the planner alone has done as much work",
   };
   const Problem passage = test::simple_passage_problem();
   const double set_up = set_up_work(skeleton, *passage.scene, 1.0);
-  REQUIRE(set_up > companion_constant);
+  REQUIRE(set_up > companion_constant.work);
   int early = 0, late = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
@@ -232,7 +232,7 @@ TEST_CASE("guides are set up only when the planner alone has done as much work",
     if (run.bounded.guides_set_up) {
       ++late;
       CHECK(run.levels.size() == 2);
-      CHECK(run.bounded.unguided.work >= set_up - companion_constant);
+      CHECK(run.bounded.unguided.work >= set_up - companion_constant.work);
       CHECK(run.bounded.guided.work >= set_up);
     } else {
       ++early;
@@ -246,7 +246,7 @@ TEST_CASE("guides are set up only when the planner alone has done as much work",
   CHECK(early > 0);
   CHECK(late > 0);
   // A thousand queries share the medial axis.
-  CHECK(set_up_work(skeleton, *passage.scene, 1000.0) < companion_constant);
+  CHECK(set_up_work(skeleton, *passage.scene, 1000.0) < companion_constant.work);
   CHECK(execute(skeleton >> PlannerSpec::make("rrt", {}), passage, 1).levels.size() == 2);
 }
 

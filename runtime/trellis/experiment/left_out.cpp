@@ -87,7 +87,7 @@ class ProblemAblation {
     for (const std::size_t strategy : rest.runs_of) {
       most = std::max(most, first_run_[strategy * experiment_.seeds.size() + seed].run.work);
     }
-    return most_left_out_work * most + companion_constant;
+    return most_left_out_work * most + companion_constant.work;
   }
 
   /// Returns the work of all runs on the seed.

@@ -189,11 +189,12 @@ std::string bound_text(const LevelExplanation& level) {
   if (level.common.bound <= 0.0) return "none (bound = 0): h draws its share whatever it costs";
   if (has_companion(level)) {
     return fmt::format(
-        "the run costs at most {} times the checks and the work of {} without guides on the same seed, and {:g} of "
-        "each: it runs beside the guided search, and the first path wins; work, CPU time by a model: checks, "
+        "the run costs at most {} times the checks and the work of {} without guides on the same seed, and {:g} "
+        "and {:g}: it runs beside the guided search, and the first path wins; work, CPU time by a model: checks, "
         "proposals, "
         "searches of graphs, and the set-up of guides",
-        marked(level, "bound", level.common.bound), level.planner.name(), companion_constant);
+        marked(level, "bound", level.common.bound), level.planner.name(), companion_constant.checks,
+        companion_constant.work);
   }
   return fmt::format(
       "proposals from h{} cost at most 0.8 (bound - 1) = {:g} times the work of the other proposals, beyond a grant of "
@@ -206,11 +207,11 @@ std::string set_up_text(const LevelExplanation& level) {
   return fmt::format(
       "of all guides: about {:.0f} units of work, with 1 / {} of what is kept for the world; {}", level.set_up,
       marked(level, "queries", level.common.queries),
-      level.set_up <= companion_constant
+      level.set_up <= companion_constant.work
           ? "it begins at once"
           : fmt::format("it begins when {} without guides has done as much work beyond {:g}, unless that "
                         "ends before",
-                        level.planner.name(), companion_constant));
+                        level.planner.name(), companion_constant.work));
 }
 
 std::string limits_text(const LevelExplanation& level) {

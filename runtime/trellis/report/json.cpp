@@ -298,7 +298,8 @@ Json bounded_json(const RunRecord& run) {
   const BoundedLoss& law = run.bounded;
   if (law.bound == 0.0) return nullptr;
   return {{"bound", law.bound},
-          {"constant", law.constant},
+          {"constant", law.constant.work},
+          {"constant_checks", law.constant.checks},
           {"largest_step", law.largest_step.work},
           {"largest_step_checks", law.largest_step.checks},
           {"guided_work", law.guided.work},

@@ -100,7 +100,7 @@ class Running {
       run_.before_step = [this] { return companion_ends_run(); };
     }
     // Otherwise the companion goes first.
-    if (set_up_ <= companion_constant) set_up();
+    if (set_up_ <= companion_constant.work) set_up();
   }
 
   /// Searches until a path is certified, or until no search is left.
@@ -223,7 +223,7 @@ class Running {
   /// The cost that the companion must have had before the guided search, which has cost so much, continues.
   [[nodiscard]] RunCost wanted(const RunCost& guided) const {
     const double share = 1.0 / (bound_ - 1.0);
-    return {share * (guided.checks - companion_constant), share * (guided.work - companion_constant)};
+    return {share * (guided.checks - companion_constant.checks), share * (guided.work - companion_constant.work)};
   }
   /// Whether the companion has ended, and with a path or before the guided search may continue.
   [[nodiscard]] bool companion_decides(const RunCost& guided) {

@@ -122,15 +122,15 @@ struct RunCost {
   friend RunCost operator-(const RunCost& a, const RunCost& b) { return {a.checks - b.checks, a.work - b.work}; }
 };
 
-/// The constant of bounded loss, of checks and of work.
-inline constexpr double companion_constant = 800.0;
+/// The constants of bounded loss.
+inline constexpr RunCost companion_constant = {800.0, 1200.0};
 
 /// The shares of a guided run in its cost. Bounded loss, of checks as of work: guided + unguided <=
 /// bound * U + constant + largest_step, where U is the cost of the same planner without guides on this seed, which is
 /// at least `unguided`.
 struct BoundedLoss {
   double bound = 0.0;  ///< 0: the guided search ran alone
-  double constant = 0.0;
+  RunCost constant;
   RunCost largest_step;  ///< of the guided search: between two places where it can wait, or up to its end
   RunCost guided;        ///< of all levels
   RunCost unguided;      ///< of the planner that ran beside them without guides
