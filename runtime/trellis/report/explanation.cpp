@@ -189,10 +189,9 @@ std::string bound_text(const LevelExplanation& level) {
   if (level.common.bound <= 0.0) return "none (bound = 0): h draws its share whatever it costs";
   if (has_companion(level)) {
     return fmt::format(
-        "the run costs at most {} times the checks and the work of {} without guides on the same seed, and {:g} "
-        "and {:g}: it runs beside the guided search, and the first path wins; work, CPU time by a model: checks, "
-        "proposals, "
-        "searches of graphs, and the set-up of guides",
+        "the run costs at most {} times the checks and the work of {} without guides on the same seed, and {:g} checks "
+        "or {:g} units of work: it runs beside the guided search, and the first path wins; work, CPU time by a model: "
+        "checks, proposals, searches of graphs, and the set-up of guides",
         marked(level, "bound", level.common.bound), level.planner.name(), companion_constant.checks,
         companion_constant.work);
   }
