@@ -72,7 +72,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
 
 double Level::own_work() const {
   return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
-         instance_->checks.other;
+         instance_->checks.other + instance_->lift_work.total();
 }
 
 double Level::work() const {
@@ -83,7 +83,9 @@ double Level::work() const {
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
   instance->checks.validity += instance_->checks.validity;
   instance->checks.motion += instance_->checks.motion;
-  instance->checks.other += instance_->checks.other;
+  instance->checks.other += instance_->checks.other + instance->lift_work.total();
+  // Guides that were projected from the instance before count there.
+  instance->lift_work = std::move(instance_->lift_work);
   instance->revision = instance_->epoch() + 1;
   instance->step = instance_->step;
   if (!kind_.graph) instance->graph = nullptr;
