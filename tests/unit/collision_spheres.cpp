@@ -135,6 +135,25 @@ TEST_CASE("starts and goals of the Panda's problems are valid", "[collision][rob
   CHECK(count == 7);
 }
 
+TEST_CASE("scenes of robowflex are read with their requests", "[collision][robot]") {
+  const std::string folder = test::scene("robowflex_fetch").string();
+  const std::string robots = test::scene("vamp_mbm/robots/fetch").string();
+  if (folder.empty() || robots.empty()) return;
+  ManipulatorFiles files;
+  files.urdf = robots + "/fetch_spherized.urdf";
+  files.srdf = robots + "/fetch.srdf";
+  files.group = "arm_with_torso";
+  std::vector<std::string> warnings;
+  const SphereModel robot = read_manipulator(files, warnings);
+  for (int i = 1; i <= 5; ++i) {
+    const MoveitFile file = read_moveit(folder + "/scene_vicon000" + std::to_string(i) + ".yaml", robot);
+    INFO("scene " << i);
+    CHECK(file.world.obstacles().size() == 7);
+    CHECK(file.start.size() == 8);
+    CHECK(file.goal.size() == 8);
+  }
+}
+
 TEST_CASE("what a manipulator touches is what FCL says of its balls one by one", "[collision][robot]") {
   const SphereModel robot = six();
   Stream stream(1, "0", "balls");
