@@ -3,7 +3,7 @@
 --
 --   trellis run examples/real/robowflex_fetch.lua --jobs 2
 --
--- Scenes whose start or goal touches something for the robot's balls are left out; a warning names them.
+-- Scenes whose start or goal touches something for the robot's balls are left out; the script prints their names.
 
 local folder = "vamp_mbm/robots/fetch/"
 local fetch = robot.urdf(folder .. "fetch_spherized.urdf", { srdf = folder .. "fetch.srdf", group = "arm_with_torso" })
