@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT-0
 -- Solves problems of Fetch whose numbers end with 1 or 3, for fetch_experience.lua.
 --
---   trellis run examples/real/fetch_learn.lua --learn examples/real/fetch.db
+--   cd examples/real; trellis run fetch_learn.lua --learn fetch.db
 
 local bench = require "motion_bench"
 local folder = "vamp_mbm/robots/fetch/"
