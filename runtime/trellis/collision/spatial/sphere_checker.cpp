@@ -463,7 +463,7 @@ class SphereChecker final : public Checker {
     /// The distance at one of the configurations that `apart` decided last, or at another one; those of all eight are
     /// computed at once.
     [[nodiscard]] Near near_of_batch(double share, double half, double at_most) {
-      auto found = std::find(shares_.begin(), shares_.end(), share);
+      const auto* found = std::find(shares_.begin(), shares_.end(), share);
       if (found == shares_.end() || half != half_) {
         static_cast<void>(move(std::span(&share, 1), half));
         found = shares_.begin();
