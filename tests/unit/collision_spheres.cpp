@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Manipulators as balls: other people's problems, and FCL as a second implementation.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -11,6 +13,8 @@
 #include <trellis/base/random.hpp>
 #include <trellis/collision/certificate.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/collision/planar/kernel.hpp>
+#include <trellis/collision/spatial/sphere_scene.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
@@ -131,6 +135,25 @@ TEST_CASE("starts and goals of the Panda's problems are valid", "[collision][rob
   CHECK(count == 7);
 }
 
+TEST_CASE("scenes of robowflex are read with their requests", "[collision][robot]") {
+  const std::string folder = test::scene("robowflex_fetch").string();
+  const std::string robots = test::scene("vamp_mbm/robots/fetch").string();
+  if (folder.empty() || robots.empty()) return;
+  ManipulatorFiles files;
+  files.urdf = robots + "/fetch_spherized.urdf";
+  files.srdf = robots + "/fetch.srdf";
+  files.group = "arm_with_torso";
+  std::vector<std::string> warnings;
+  const SphereModel robot = read_manipulator(files, warnings);
+  for (int i = 1; i <= 5; ++i) {
+    const MoveitFile file = read_moveit(folder + "/scene_vicon000" + std::to_string(i) + ".yaml", robot);
+    INFO("scene " << i);
+    CHECK(file.world.obstacles().size() == 7);
+    CHECK(file.start.size() == 8);
+    CHECK(file.goal.size() == 8);
+  }
+}
+
 TEST_CASE("what a manipulator touches is what FCL says of its balls one by one", "[collision][robot]") {
   const SphereModel robot = six();
   Stream stream(1, "0", "balls");
@@ -202,4 +225,141 @@ TEST_CASE("a motion is valid where the configurations that it is checked at are,
   }
   CHECK(certified > 50);
   CHECK(refuted > 20);
+}
+
+namespace {
+
+/// An arm on a rail, with a gripper whose fingers follow each other.
+const char* const railed = R"(<robot name="railed">
+  <link name="ground"/>
+  <link name="cart"><collision><geometry><sphere radius="0.12"/></geometry></collision></link>
+  <link name="upper"><collision><origin xyz="0 0 0.25"/><geometry><sphere radius="0.08"/></geometry></collision>
+    <collision><origin xyz="0 0 0.45"/><geometry><sphere radius="0.07"/></geometry></collision></link>
+  <link name="fore"><collision><origin xyz="0 0 0.2"/><geometry><sphere radius="0.06"/></geometry></collision>
+    <collision><origin xyz="0 0 0.35"/><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <link name="left"><collision><origin xyz="0 0.02 0.05"/><geometry><sphere radius="0.02"/></geometry></collision></link>
+  <link name="right"><collision><origin xyz="0 -0.02 0.05"/><geometry><sphere radius="0.02"/></geometry></collision></link>
+  <joint name="rail" type="prismatic"><parent link="ground"/><child link="cart"/><axis xyz="1 0 0"/>
+    <limit lower="-0.8" upper="0.8"/></joint>
+  <joint name="turn" type="continuous"><parent link="cart"/><child link="upper"/><origin xyz="0 0 0.1" rpy="0.3 0 0"/>
+    <axis xyz="0.2 1 0.1"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.5"/>
+    <axis xyz="0 1 0"/><limit lower="-2.8" upper="2.8"/></joint>
+  <joint name="open" type="prismatic"><parent link="fore"/><child link="left"/><origin xyz="0 0 0.4"/>
+    <axis xyz="0 1 0"/><limit lower="0" upper="0.05"/></joint>
+  <joint name="follow" type="prismatic"><parent link="fore"/><child link="right"/><origin xyz="0 0 0.4"/>
+    <axis xyz="0 -1 0"/><limit lower="0" upper="0.05"/><mimic joint="open"/></joint>
+</robot>)";
+
+SphereModel read_railed() {
+  const test::Folder folder;
+  ManipulatorFiles files;
+  files.urdf = folder.write("railed.urdf", railed);
+  std::vector<std::string> warnings;
+  return read_manipulator(files, warnings);
+}
+
+}  // namespace
+
+TEST_CASE("the kernels of all instruction sets give the same bits for manipulators", "[collision][robot]") {
+  unsigned count = 0;
+  const kernel::Table* const* const tables = kernel::available(count);
+  Stream stream(3, "0", "tables");
+  for (const SphereModel& robot : {six(), read_railed()}) {
+    for (int w = 0; w < 4; ++w) {
+      const ManipulatorScene scene(random_world(stream, false), robot);
+      const SphereScene prepared(scene, 1e-12);
+      REQUIRE(prepared.batched());
+      const auto& chain = prepared.chain();
+      const auto bodies = static_cast<unsigned>(chain.size());
+      kernel::Scene3 what = prepared.kernel_scene();
+      std::vector<double> change(robot.robot().dimension());
+      std::vector<double> bend(bodies);
+      std::vector<double> pair_bend(what.pair_count);
+      std::vector<kernel::Lanes> values(change.size());
+      const Space space = scene.default_space(1.0);
+      Configuration q(space.dimension());
+      for (int i = 0; i < 20; ++i) {
+        what.bounded = i % 2 == 1;
+        what.slack = i % 3 == 0 ? 1e-12 : 0.05;
+        for (unsigned lane = 0; lane < kernel::lanes; ++lane) {
+          space.sample_uniform(stream, q);
+          for (std::size_t j = 0; j < q.size(); ++j) values[j].v[lane] = q[j];
+        }
+        for (double& value : change) value = 0.05 * stream.normal();
+        for (std::size_t b = 0; b < bodies; ++b) bend[b] = prepared.bend(b, prepared.levers()[b].size(), change);
+        std::fill(pair_bend.begin(), pair_bend.end(), 1e-4);
+        std::string first;
+        for (unsigned t = 0; t < count; ++t) {
+          const kernel::Table& table = *tables[t];
+          std::vector<kernel::Lanes> frames(12 * bodies), rates(6 * bodies), centres(3 * prepared.ball_count());
+          frames[0].v[0] = 0.0;
+          for (const std::size_t k : {0U, 4U, 8U}) std::fill(std::begin(frames[k].v), std::end(frames[k].v), 1.0);
+          std::vector<unsigned> candidates(what.solid_count + bodies);
+          table.move_chain(chain.data(), bodies, values.data(), frames.data());
+          table.rate_chain(chain.data(), bodies, frames.data(), change.data(), rates.data());
+          const kernel::ChainMotion motion{change.data(), bend.data(), pair_bend.data()};
+          std::array<unsigned, 2> bits{};
+          bits[0] = table.meet_chain(chain.data(), bodies, frames.data(), what, centres.data(), candidates.data()) & 1U;
+          bits[1] = table.approach_chain(chain.data(), bodies, frames.data(), rates.data(), what, motion,
+                                         centres.data(), candidates.data());
+          kernel::Lanes least{}, sure{};
+          std::fill(std::begin(least.v), std::end(least.v), 10.0);
+          sure = least;
+          table.measure_chain(chain.data(), bodies, frames.data(), rates.data(), what, motion, centres.data(),
+                              candidates.data(), least, sure);
+          std::string all(reinterpret_cast<const char*>(bits.data()), sizeof bits);
+          all.append(reinterpret_cast<const char*>(frames.data()), frames.size() * sizeof(kernel::Lanes));
+          all.append(reinterpret_cast<const char*>(rates.data()), rates.size() * sizeof(kernel::Lanes));
+          all.append(reinterpret_cast<const char*>(&least), sizeof least);
+          all.append(reinterpret_cast<const char*>(&sure), sizeof sure);
+          INFO(table.name << ", world " << w << ", configurations " << i);
+          if (t == 0) first = all;
+          REQUIRE((all == first));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a certificate's clearance holds at every configuration of a motion, and is nine tenths of what was found",
+          "[collision][robot]") {
+  Stream stream(4, "0", "clearances");
+  int certified = 0;
+  int exact = 0;
+  for (const SphereModel& robot : {six(), read_railed()}) {
+    for (int w = 0; w < 8; ++w) {
+      const World3 world = random_world(stream, false);
+      // Every second world bounds the robot too.
+      const Contain contain = w % 2 == 0 ? Contain::none : Contain::robot;
+      const auto scene = std::make_shared<ManipulatorScene>(World3(world.bounds(), world.obstacles(), contain), robot);
+      const Space space = scene->default_space(1.0);
+      const auto checker = make_checker("spheres", scene, space, 0.05);
+      Configuration a(space.dimension());
+      Configuration b(space.dimension());
+      Configuration q(space.dimension());
+      for (int i = 0; i < 40; ++i) {
+        space.sample_uniform(stream, a);
+        const double far = i % 4 == 0 ? 0.0 : 0.05 * (i % 16);
+        for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] + far * stream.normal();
+        space.reflect(b);
+        Certificate certificate{.tolerance = 1e-6 * 0.05};
+        checker->certify(a, b, certificate);
+        if (!certificate.valid()) continue;
+        ++certified;
+        constexpr int parts = 500;
+        double clearance = std::numeric_limits<double>::infinity();
+        for (int k = 0; k <= parts; ++k) {
+          space.interpolate(a, b, static_cast<double>(k) / parts, q);
+          clearance = std::min(clearance, checker->clearance(q));
+        }
+        INFO("world " << w << ", motion " << i);
+        REQUIRE(certificate.clearance <= clearance + 1e-12);
+        REQUIRE(certificate.nearest >= certificate.clearance - 1e-12);
+        if (certificate.clearance >= 0.9 * certificate.nearest - 1e-12) ++exact;
+      }
+    }
+  }
+  CHECK(certified > 150);
+  CHECK(exact > 0.95 * certified);
 }

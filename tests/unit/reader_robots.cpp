@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -172,10 +173,31 @@ TEST_CASE("faults of URDF files name file, line and what is meant", "[reader][ro
   CHECK_THAT(fault_of(std::string(head) + "</robot>"), Contains("no joint leads to 'a' nor to 'b'"));
   CHECK_THAT(fault_of(head + joint + limit +
                       R"(<joint name="k" type="fixed"><parent link="b"/><child link="a"/></joint></robot>)"),
-             Contains("make a cycle"));
+             Contains("robot.urdf:1: the joints of robot 'r' make a cycle through 'k': it has no base"));
+  // A cycle beside a base, and the line of a joint on it.
+  CHECK_THAT(fault_of(std::string(head) + "<link name=\"c\"/>\n" + joint + R"(<limit lower="0" upper="0"/></joint>)" +
+                      "\n" + R"(<joint name="k" type="fixed"><parent link="d"/><child link="c"/></joint>)" + "\n" +
+                      R"(<joint name="l" type="fixed"><parent link="c"/><child link="d"/></joint>)" + "\n" +
+                      R"(<joint name="m" type="fixed"><parent link="d"/><child link="e"/></joint>)" +
+                      R"(<link name="d"/><link name="e"/></robot>)"),
+             Contains("robot.urdf:3: link 'c' is on a cycle of joints: 'k' leads to it"));
+  const auto inertia = [](const std::string& moment, const std::string& mass) {
+    return R"(<robot><link name="a">)"
+           "\n"
+           R"(<inertial><mass value=")" +
+           mass + R"("/><inertia ixx=")" + moment + R"("/></inertial></link></robot>)";
+  };
+  CHECK_THAT(fault_of(inertia("nan", "1")), Contains("robot.urdf:2: 'ixx' of 'inertia' is 'nan', expected a finite"));
+  CHECK_THAT(fault_of(inertia("1", "inf")), Contains("robot.urdf:2: 'value' of 'mass' is 'inf', expected a finite"));
+  CHECK(fault_of(inertia("1", "1")).empty());
+  CHECK_THAT(fault_of(head + joint + "\n" + R"(<origin xyz="0 -1e308 0"/>)" + limit + "</robot>"),
+             Contains("robot.urdf:2: the origin of joint 'j' is not within"));
+  CHECK_THAT(fault_of(head + joint + "\n" + R"(<limit lower="-1e300" upper="1"/></joint></robot>)"),
+             Contains("robot.urdf:2: the limits of joint 'j' are not within 100000 rad of 0; without limits it is "
+                      "continuous"));
   CHECK_THAT(fault_of(head + joint + limit +
                       R"(<joint name="k" type="fixed"><parent link="a"/><child link="b"/></joint></robot>)"),
-             Contains("link 'b' is the child of two joints, 'j' and 'k'"));
+             Contains("robot.urdf:1: link 'b' is the child of two joints, 'j' and 'k'"));
   // All faults at once, and every mesh that is missing.
   const std::string mesh = R"(<collision><geometry><mesh filename="package://robot/)";
   const std::string many =
@@ -183,4 +205,39 @@ TEST_CASE("faults of URDF files name file, line and what is meant", "[reader][ro
                "two.stl\"/></geometry></collision>\n</link>\n</robot>");
   CHECK_THAT(many, Contains("2 meshes are not found") && Contains("line 3: package://robot/one.stl") &&
                        Contains("line 4: package://robot/two.stl"));
+}
+
+TEST_CASE("robots of 100000 links, and groups within groups, are refused or read within a second", "[reader][robot]") {
+  const std::clock_t begin = std::clock();
+  std::string many = "<robot name=\"r\">\n";
+  for (int i = 0; i < 100000; ++i) {
+    many += "<link name=\"l" + std::to_string(i) + "\"/>\n";
+    if (i == 0) continue;
+    many += "<joint name=\"j" + std::to_string(i) + "\" type=\"fixed\"><parent link=\"l" + std::to_string(i - 1) +
+            "\"/><child link=\"l" + std::to_string(i) + "\"/></joint>\n";
+  }
+  CHECK_THAT(fault_of(many + "</robot>"), Contains("robot.urdf:2001: more than 1000 links"));
+  // Each group contains the one before twice: 2^40 paths lead to the first.
+  std::string groups = "<robot>\n<group name=\"g0\"><joint name=\"j\"/></group>\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string inner = "<group name=\"g" + std::to_string(i - 1) + "\"/>";
+    groups += "<group name=\"g" + std::to_string(i) + "\">" + inner + inner + "</group>\n";
+  }
+  const test::Folder folder;
+  const std::string tree = R"(<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>)";
+  const UrdfFile file = read_urdf(folder.write("r.urdf", head + tree));
+  const SrdfFile srdf = read_srdf(folder.write("r.srdf", groups + "</robot>"), file.tree);
+  CHECK(srdf.groups.size() == 40);
+  CHECK(srdf.groups.back().joints == std::vector<std::size_t>{0});
+  const std::string knot =
+      R"(<robot><group name="arm"><group name="hand"/></group><group name="hand"><group name="arm"/></group></robot>)";
+  CHECK_THROWS_WITH(read_srdf(folder.write("k.srdf", knot), file.tree), Contains("group 'arm' contains itself"));
+  const std::string wrong = R"(<robot><group name="arm"><group name="hnad"/></group><group name="hand"/></robot>)";
+  CHECK_THROWS_WITH(read_srdf(folder.write("w.srdf", wrong), file.tree),
+                    Contains("w.srdf:1: there is no group 'hnad' (did you mean 'hand'?)"));
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  INFO(seconds << " s of CPU time");
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  CHECK(seconds < 1.0);
+#endif
 }

@@ -41,6 +41,7 @@ void add_motion(Certificate& certificate, MotionClearance& motion, double displa
     from = at;
   }
   divide(intervals, from, 1.0, displacement, first);
+  const std::optional<double> measured_from = motion.measured_from();
   const std::uint64_t limit = certificate.checks + most_checks;
   const auto keep = [&] { return certified_share * certificate.nearest; };
   // Whether the distance that came last is inexact.
@@ -66,8 +67,8 @@ void add_motion(Certificate& certificate, MotionClearance& motion, double displa
         const auto [middle, half] = batch[i];
         // A distance costs as much as many configurations that `apart` decides: it is computed where the interval is so
         // short that it decides.
-        const double share = coarse ? coarse_share : certified_share;
-        const double decisive = std::max((1.0 - share) * certificate.nearest, certificate.tolerance);
+        const double share = measured_from.value_or(1.0 - (coarse ? coarse_share : certified_share));
+        const double decisive = std::max(share * certificate.nearest, certificate.tolerance);
         if (i != sure_to_measure && std::isfinite(decisive) && half * displacement > decisive) {
           next.push_back({middle - 0.5 * half, 0.5 * half});
           next.push_back({middle + 0.5 * half, 0.5 * half});

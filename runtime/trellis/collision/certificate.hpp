@@ -61,6 +61,10 @@ class MotionClearance {
     double sure = 0.0;      ///< the least distance less the displacement on `half` of the motion; may be negative
     bool inexact = false;   ///< the distance is computed with a larger error than a tenth of it
   };
+  /// The share of the least distance found up to which the displacement on half an interval decides that its distance
+  /// is computed. Of longer intervals it is not: most of them need only be divided. None: where the distance decides
+  /// about the interval, because it costs as much as many configurations that `apart` decides.
+  [[nodiscard]] virtual std::optional<double> measured_from() const { return std::nullopt; }
   /// Returns the distance at a parameter. Distances of at least `at_most` plus the displacement may count as that.
   [[nodiscard]] virtual Near near(double share, double half, double at_most) = 0;
 };

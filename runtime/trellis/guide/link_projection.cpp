@@ -5,12 +5,14 @@
 #include <limits>
 #include <vector>
 
-#include <trellis/instance/manipulator_kinematics.hpp>
-
 namespace trellis {
 
 LinkProjection::LinkProjection(const Instance& parent, const PointOnBody& point)
-    : TipProjection(parent.space), scene_(parent.scene), robot_(scene_->manipulator()->robot), point_(point) {
+    : TipProjection(parent.space),
+      scene_(parent.scene),
+      robot_(scene_->manipulator()->robot),
+      point_(point),
+      lift_work_(parent.lift_work.shared()) {
   const World3& world = scene_->manipulator()->world;
   std::vector<std::size_t> chain;
   for (std::size_t at = point.body; at != 0; at = robot_.robot().bodies()[at].parent) chain.push_back(at);
@@ -47,7 +49,13 @@ bool LinkProjection::reaches(View s) const { return norm(Vec3{s[0], s[1], s[2]} 
 
 bool LinkProjection::follow(View s, MutableView q) const {
   ManipulatorKinematics kinematics(robot_, parent(), point_);
-  return kinematics.bring(q, Vec3{s[0], s[1], s[2]}, near_);
+  const bool found = kinematics.bring(q, Vec3{s[0], s[1], s[2]}, near_);
+  count(kinematics);
+  return found;
+}
+
+void LinkProjection::count(const ManipulatorKinematics& kinematics) const {
+  *lift_work_ += search_cost::kinematics * static_cast<double>(kinematics.steps());
 }
 
 void LinkProjection::lift(View s, Stream& stream, MutableView q) const {
@@ -55,8 +63,9 @@ void LinkProjection::lift(View s, Stream& stream, MutableView q) const {
   ManipulatorKinematics kinematics(robot_, parent(), point_);
   for (int i = 0; i < most_starts; ++i) {
     parent().sample_uniform(stream, q);
-    if (reaches(s) && kinematics.bring(q, Vec3{s[0], s[1], s[2]}, near_)) return;
+    if (reaches(s) && kinematics.bring(q, Vec3{s[0], s[1], s[2]}, near_)) return count(kinematics);
   }
+  count(kinematics);
   parent().sample_uniform(stream, q);
 }
 

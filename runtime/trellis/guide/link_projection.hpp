@@ -4,6 +4,7 @@
 #include <memory>
 
 #include <trellis/guide/tip_projection.hpp>
+#include <trellis/instance/manipulator_kinematics.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
 namespace trellis {
@@ -25,9 +26,13 @@ class LinkProjection final : public TipProjection {
   [[nodiscard]] bool follow(View s, MutableView q) const override;
 
  private:
+  /// Counts the work of a lift.
+  void count(const ManipulatorKinematics& kinematics) const;
+
   std::shared_ptr<const Scene> scene_;  ///< of the parent
   const SphereModel& robot_;
   PointOnBody point_;
+  std::shared_ptr<double> lift_work_;  ///< of the parent
   Vec3 centre_;         ///< the first joint's position, about which the point stays within `reach_`; of a base that
                         ///< does not move
   double reach_ = 0.0;  ///< metres; infinity for a base that moves

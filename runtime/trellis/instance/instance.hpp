@@ -135,6 +135,27 @@ struct Checks {
   double other = 0.0;
 };
 
+/// The work of lifting from projections of an instance, in validity checks (search_cost::kinematics). The projections
+/// share the counter with the instance that they were made of; a copy of the instance has a counter of its own.
+class LiftWork {
+ public:
+  LiftWork() : total_(std::make_shared<double>(0.0)) {}
+  LiftWork(const LiftWork& other) : LiftWork() { static_cast<void>(other); }
+  LiftWork& operator=(const LiftWork& other) {
+    if (this != &other) total_ = std::make_shared<double>(0.0);
+    return *this;
+  }
+  LiftWork(LiftWork&&) noexcept = default;
+  LiftWork& operator=(LiftWork&&) noexcept = default;
+  ~LiftWork() = default;
+
+  [[nodiscard]] double total() const { return total_ ? *total_ : 0.0; }
+  [[nodiscard]] const std::shared_ptr<double>& shared() const { return total_; }
+
+ private:
+  std::shared_ptr<double> total_;
+};
+
 /// The work of searches in units of 0.07 us in the plane, of 0.3 us in space: from the CPU times of the strategies of
 /// scripts/pays --catalogue. In the plane a check, one of many of a motion, takes less than a proposal, whose nearest
 /// neighbours are found; in space both take about the same.
@@ -148,6 +169,8 @@ inline constexpr double edge = 1.0;             ///< an edge of a graph that a s
 inline constexpr double label = 0.03;           ///< an edge or vertex whose label the beginning of a search clears
 inline constexpr double node = 25.0;            ///< a node that a roadmap connects to its neighbours
 inline constexpr double clearance = 2.0;        ///< a distance from obstacles costs so much more than a check
+/// A step of inverse kinematics of a manipulator: 0.9 to 1.1 us, 2.0 to 4.6 checks of Baxter, Fetch, UR5 and Panda.
+inline constexpr double kinematics = 3.0;
 }  // namespace search_cost
 
 /// A motion planning instance (C, validity, s, t, motion model): the input of a planner and of a guide's projection.
@@ -253,6 +276,7 @@ class Instance {
   [[nodiscard]] std::uint64_t epoch() const { return revision + validity->epoch(); }
 
   Checks checks;
+  LiftWork lift_work;
   std::shared_ptr<VerifiedMotions> verified;  ///< valid motions; nullptr: does not store them
   std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
 

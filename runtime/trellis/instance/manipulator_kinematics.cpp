@@ -72,6 +72,7 @@ bool ManipulatorKinematics::solve(MutableView q, const Pose3& target, double nea
   int idle = 0;
   std::vector<char> fixed(columns);
   for (int step = 0; step < most_steps; ++step) {
+    ++steps_;
     place(q);
     Vec3 error = target.position - end_.position;
     const double distance = norm(error);

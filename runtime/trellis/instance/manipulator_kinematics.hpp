@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -27,6 +28,8 @@ class ManipulatorKinematics {
   bool bring(MutableView q, const Vec3& target, double near);
   /// The same for the frame: the pose of the body, moved to the point. \param turn  radians
   bool bring(MutableView q, const Pose3& target, double near, double turn);
+  /// The number of steps so far.
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
   /// Returns the pose of that frame in the world.
   [[nodiscard]] Pose3 frame(View q);
 
@@ -42,6 +45,7 @@ class ManipulatorKinematics {
   std::vector<std::size_t> chain_;  ///< bodies from the base to that of the point
   std::vector<Pose3> frames_;       ///< of these, in the world
   Pose3 end_;
+  std::uint64_t steps_ = 0;
   std::unique_ptr<Scratch> scratch_;
 };
 

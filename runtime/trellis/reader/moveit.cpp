@@ -6,7 +6,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <trellis/base/errors.hpp>
 #include <trellis/reader/formats.hpp>
@@ -103,13 +106,23 @@ class Values {
   std::vector<std::optional<double>> values_;
 };
 
-/// The file of the request; "" where the name of the scene does not say which it is.
+/// The file of the request: "request0001.yaml" of "scene0001.yaml" and of "scene_vicon0001.yaml"; "" where there is
+/// none.
 std::string request_beside(const std::string& path) {
-  const std::size_t slash = path.find_last_of('/') + 1;
-  const std::size_t at = path.rfind("scene");
-  if (at == std::string::npos || at < slash) return "";
-  std::string request = path;
-  return request.replace(at, 5, "request");
+  const std::filesystem::path file(path);
+  const std::string name = file.filename().string();
+  const std::size_t at = name.rfind("scene");
+  if (at == std::string::npos) return "";
+  const std::string rest = name.substr(at + 5);
+  const std::size_t digits = rest.find_first_of("0123456789");
+  std::vector<std::string> rests = {rest};
+  if (digits != std::string::npos && digits > 0) rests.push_back(rest.substr(digits));
+  for (const std::string& end : rests) {
+    std::error_code ignored;
+    const std::filesystem::path request = file.parent_path() / (name.substr(0, at) + "request" + end);
+    if (std::filesystem::exists(request, ignored)) return request.string();
+  }
+  return "";
 }
 
 /// Reads the start and the goal.
@@ -178,7 +191,7 @@ MoveitFile read_moveit(const std::string& path, const SphereModel& model) {
         "objects attached to the robot are ignored; robot:attach(shape, { link = ... }) adds them");
   }
 
-  if (std::filesystem::exists(request_beside(path))) read_request(request_beside(path), robot, file);
+  if (const std::string request = request_beside(path); !request.empty()) read_request(request, robot, file);
 
   Vec3 lo = base.position - Vec3{reach, reach, reach};
   Vec3 hi = base.position + Vec3{reach, reach, reach};

@@ -72,9 +72,9 @@ struct MoveitFile {
   std::vector<std::string> warnings;
 };
 
-/// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene"; without a request there
-/// are no start and goal. The bounds of the world contain the robot's reach and all objects; they limit nothing.
-/// \throws Error with file and line
+/// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene", or "scene" and all up
+/// to the digits; without a request there are no start and goal. The bounds of the world contain the robot's reach and
+/// all objects; they limit nothing. \throws Error with file and line
 MoveitFile read_moveit(const std::string& path, const SphereModel& model);
 
 }  // namespace trellis

@@ -3,7 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <functional>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -18,12 +18,29 @@ namespace {
 class SrdfReader {
  public:
   SrdfReader(const SourceText& text, const KinematicTree& tree)
-      : tree_(tree), robot_(XmlEntry::root(text, "robot")), groups_(robot_.children("group")) {}
+      : tree_(tree), robot_(XmlEntry::root(text, "robot")), groups_(robot_.children("group")) {
+    for (std::size_t i = 0; i < tree.links().size(); ++i) links_.emplace(tree.links()[i].name, i);
+    for (std::size_t j = 0; j < tree.joints().size(); ++j) joints_.emplace(tree.joints()[j].name, j);
+    for (const XmlEntry& joint : robot_.children("virtual_joint")) {
+      if (joint.has("name")) virtual_.insert(joint.word("name"));
+    }
+  }
 
   SrdfFile read() {
+    if (groups_.size() > most_groups) {
+      throw groups_[most_groups].error(fmt::format("more than {} groups", most_groups));
+    }
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      errors_.attempt([&] {
+        if (!group_numbers_.emplace(groups_[i].word("name"), i).second) {
+          throw groups_[i].error(fmt::format("a second group is called '{}'", groups_[i].word("name")));
+        }
+      });
+    }
+    errors_.raise();
     for (const XmlEntry& entry : groups_) {
       errors_.attempt([&] {
-        std::set<std::string> open;
+        std::map<std::string, bool> open;
         std::set<std::size_t> joints;
         add_group(entry, joints, open);
         file_.groups.push_back({entry.word("name"), {joints.begin(), joints.end()}});
@@ -36,11 +53,12 @@ class SrdfReader {
       errors_.attempt([&] {
         const std::string first = entry.word("link1");
         const std::string second = entry.word("link2");
-        const auto a = tree_.find_link(first);
-        const auto b = tree_.find_link(second);
-        if (!a) unknown.insert(first);
-        if (!b) unknown.insert(second);
-        if (a && b) file_.disabled.emplace_back(std::min(*a, *b), std::max(*a, *b));
+        const auto a = links_.find(first);
+        const auto b = links_.find(second);
+        if (a == links_.end()) unknown.insert(first);
+        if (b == links_.end()) unknown.insert(second);
+        if (a == links_.end() || b == links_.end()) return;
+        file_.disabled.emplace_back(std::min(a->second, b->second), std::max(a->second, b->second));
       });
     }
     if (!unknown.empty()) {
@@ -64,12 +82,12 @@ class SrdfReader {
 
   [[nodiscard]] std::size_t link(const XmlEntry& entry, const char* attribute) const {
     const std::string name = entry.word(attribute);
-    if (const auto found = tree_.find_link(name)) return *found;
+    if (const auto found = links_.find(name); found != links_.end()) return found->second;
     throw entry.error(fmt::format("the robot has no link '{}'{}", name, did_you_mean(name, names_of(tree_.links()))));
   }
   [[nodiscard]] std::size_t joint(const XmlEntry& entry, const char* attribute) const {
     const std::string name = entry.word(attribute);
-    if (const auto found = tree_.find_joint(name)) return *found;
+    if (const auto found = joints_.find(name); found != joints_.end()) return found->second;
     throw entry.error(fmt::format("the robot has no joint '{}'{}", name, did_you_mean(name, names_of(tree_.joints()))));
   }
 
@@ -78,9 +96,12 @@ class SrdfReader {
   }
 
   /// Adds the joints of a group, of its chains, links and groups.
-  void add_group(const XmlEntry& entry, std::set<std::size_t>& joints, std::set<std::string>& open) const {
+  /// \param open  groups that were begun, and whether they contain this one
+  void add_group(const XmlEntry& entry, std::set<std::size_t>& joints, std::map<std::string, bool>& open) const {
     const std::string name = entry.word("name");
-    if (!open.insert(name).second) throw entry.error(fmt::format("group '{}' contains itself", name));
+    const auto [begun, added] = open.emplace(name, true);
+    if (!added && begun->second) throw entry.error(fmt::format("group '{}' contains itself", name));
+    if (!added) return;
     for (const XmlEntry& part : entry.children()) {
       const std::string kind = part.name();
       if (kind == "joint") {
@@ -92,13 +113,16 @@ class SrdfReader {
         add_chain(part, joints);
       } else if (kind == "group") {
         const std::string inner = part.word("name");
-        const auto found = std::find_if(groups_.begin(), groups_.end(),
-                                        [&](const XmlEntry& g) { return g.has("name") && g.word("name") == inner; });
-        if (found == groups_.end()) throw part.error(fmt::format("there is no group '{}'", inner));
-        add_group(*found, joints, open);
+        const auto found = group_numbers_.find(inner);
+        if (found == group_numbers_.end()) {
+          std::vector<std::string> known;
+          for (const auto& [group, number] : group_numbers_) known.push_back(group);
+          throw part.error(fmt::format("there is no group '{}'{}", inner, did_you_mean(inner, known)));
+        }
+        add_group(groups_[found->second], joints, open);
       }
     }
-    open.erase(name);
+    begun->second = false;
   }
 
   void add_chain(const XmlEntry& part, std::set<std::size_t>& joints) const {
@@ -113,11 +137,7 @@ class SrdfReader {
     }
   }
 
-  [[nodiscard]] bool is_virtual(const std::string& name) const {
-    const auto all = robot_.children("virtual_joint");
-    return std::any_of(all.begin(), all.end(),
-                       [&](const XmlEntry& one) { return one.has("name") && one.word("name") == name; });
-  }
+  [[nodiscard]] bool is_virtual(const std::string& name) const { return virtual_.contains(name); }
 
   void read_state(const XmlEntry& entry) {
     SrdfFile::State state{entry.word("name"), entry.word("group"), {}};
@@ -133,8 +153,14 @@ class SrdfReader {
     file_.states.push_back(std::move(state));
   }
 
+  static constexpr std::size_t most_groups = 1000;
+
   const KinematicTree& tree_;
   XmlEntry robot_;
+  std::map<std::string, std::size_t> links_;
+  std::map<std::string, std::size_t> joints_;
+  std::map<std::string, std::size_t> group_numbers_;
+  std::set<std::string> virtual_;
   std::vector<XmlEntry> groups_;
   SrdfFile file_;
   ErrorList errors_;

@@ -14,12 +14,19 @@
 #include <trellis/reader/mesh_file.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/reader/xml_entry.hpp>
+#include <trellis/scene/limits.hpp>
+#include <trellis/scene/spatial/ranges.hpp>
 
 namespace trellis {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Joints turn by at most so many radians, for which collision checking computes sines to full accuracy.
+constexpr double largest_turn = 1e5;
+/// A joint that follows another turns or slides by at most so many times as much.
+constexpr double most_multiplier = 1e3;
 
 /// The pose of an `<origin>` within an element: x, y, z and roll, pitch, yaw about the fixed axes.
 Pose3 origin_of(const XmlEntry& entry) {
@@ -70,6 +77,9 @@ class UrdfReader {
     for (const std::string& kind : ignored) warnings_.push_back(fmt::format("elements '{}' are ignored", kind));
     try {
       return {KinematicTree(name, std::move(links_), std::move(joints_)), std::move(warnings_)};
+    } catch (const TreeError& error) {
+      const auto& lines = error.part == TreeError::Part::link ? link_lines_ : joint_lines_;
+      throw text_.error(lines.at(error.number), error.what());
     } catch (const Error& error) {
       throw Error(fmt::format("{}: {}", text_.path, error.what()));
     }
@@ -82,6 +92,9 @@ class UrdfReader {
       throw entry.error(fmt::format("a second link is called '{}'", link.name));
     }
     links_.push_back({link.name, {}});
+    link_lines_.push_back(entry.line());
+    // Masses move nothing here; a file with numbers that are none is faulty all the same.
+    for (const XmlEntry& inertial : entry.children("inertial")) errors_.attempt([&] { check_inertial(inertial); });
     std::vector<Solid>& solids = links_.back().solids;
     for (const XmlEntry& collision : entry.children("collision")) {
       errors_.attempt([&] {
@@ -99,6 +112,15 @@ class UrdfReader {
           solids.push_back(solid);
         }
       });
+    }
+  }
+
+  static void check_inertial(const XmlEntry& inertial) {
+    static_cast<void>(origin_of(inertial));
+    if (const auto mass = inertial.child("mass")) static_cast<void>(mass->number("value"));
+    const auto inertia = inertial.child("inertia");
+    for (const char* moment : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
+      if (inertia) static_cast<void>(inertia->number(moment, 0.0));
     }
   }
 
@@ -178,6 +200,10 @@ class UrdfReader {
     joint.parent = link_of(entry, "parent");
     joint.child = link_of(entry, "child");
     joint.origin = origin_of(entry);
+    if (!in_range(joint.origin.position)) {
+      throw entry.required("origin").error(
+          fmt::format("the origin of joint '{}' is not within {:g} m of its link", joint.name, most_distant));
+    }
     const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
     if (const auto axis = entry.child("axis"); axis && joint.kind != Joint::Kind::fixed) {
       const auto [x, y, z] = axis->triple("xyz", {1.0, 0.0, 0.0});
@@ -196,6 +222,12 @@ class UrdfReader {
         throw limit->error(fmt::format("the lower limit of joint '{}', {:g}, is above the upper, {:g}", joint.name,
                                        joint.lo, joint.hi));
       }
+      const double most = joint.kind == Joint::Kind::revolute ? largest_turn : most_distant;
+      if (!(joint.lo >= -most && joint.hi <= most)) {
+        throw limit->error(fmt::format("the limits of joint '{}' are not within {:g} {} of 0{}", joint.name, most,
+                                       joint.kind == Joint::Kind::revolute ? "rad" : "m",
+                                       joint.kind == Joint::Kind::revolute ? "; without limits it is continuous" : ""));
+      }
     }
     if (const auto mimic = entry.child("mimic"); mimic) {
       if (joint.kind == Joint::Kind::fixed) {
@@ -210,9 +242,14 @@ class UrdfReader {
           throw mimic->error(fmt::format("no joint is called '{}'{}", leader, did_you_mean(leader, names)));
         }
         joint.mimic = Joint::Mimic{found->second, mimic->number("multiplier", 1.0), mimic->number("offset", 0.0)};
+        if (!(std::abs(joint.mimic->multiplier) <= most_multiplier && std::abs(joint.mimic->offset) <= largest_turn)) {
+          throw mimic->error(fmt::format("joint '{}' follows '{}' by more than {:g} times, or from beyond {:g}",
+                                         joint.name, leader, most_multiplier, largest_turn));
+        }
       }
     }
     joints_.push_back(std::move(joint));
+    joint_lines_.push_back(entry.line());
   }
 
   static Joint::Kind kind_of(const XmlEntry& entry) {
@@ -231,6 +268,8 @@ class UrdfReader {
   XmlEntry robot_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
+  std::vector<std::size_t> link_lines_;
+  std::vector<std::size_t> joint_lines_;
   std::map<std::string, std::size_t> link_numbers_;
   std::vector<std::pair<std::string, std::size_t>> missing_;  ///< meshes and their lines
   std::vector<std::string> warnings_;

@@ -70,7 +70,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
 
 double Level::own_work() const {
   return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
-         instance_->checks.other;
+         instance_->checks.other + instance_->lift_work.total();
 }
 
 RunCost Level::cost() const {
@@ -79,7 +79,7 @@ RunCost Level::cost() const {
   const double proposals = static_cast<double>(record_.search.proposals.size()) - absorbed_;
   const auto alone = static_cast<double>(instance_->checks.alone);
   const double guided = parent_ != nullptr || guidance_.guide() != nullptr ? search_cost::guided_proposal : 0.0;
-  double work = guided * proposals + instance_->checks.other;
+  double work = guided * proposals + instance_->checks.other + instance_->lift_work.total();
   if (in_space) {
     work += checks + proposals;
   } else {
@@ -98,7 +98,9 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
   instance->checks.validity += instance_->checks.validity;
   instance->checks.motion += instance_->checks.motion;
   instance->checks.alone += instance_->checks.alone;
-  instance->checks.other += instance_->checks.other;
+  instance->checks.other += instance_->checks.other + instance->lift_work.total();
+  // Guides that were projected from the instance before count there.
+  instance->lift_work = std::move(instance_->lift_work);
   instance->revision = instance_->epoch() + 1;
   instance->step = instance_->step;
   if (!kind_.graph) instance->graph = nullptr;

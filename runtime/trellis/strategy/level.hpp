@@ -308,7 +308,7 @@ class LevelGuidance final : public Guidance {
   }
   [[nodiscard]] Spent own() const {
     return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size()),
-            instance_.checks.other};
+            instance_.checks.other + instance_.lift_work.total()};
   }
   /// Charges the work since `counted_` to the kind of the last proposal.
   void charge(BothSpent& both) const {

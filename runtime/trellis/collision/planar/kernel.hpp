@@ -88,9 +88,24 @@ struct Table {
   void (*move_chain)(const ChainBody* bodies, unsigned count, const Lanes* values, Lanes* frames);
   /// Returns the lanes in which a manipulator touches something. Stops early once the first lane does.
   /// \param centres  memory for three lanes of each ball
-  /// \param candidates  memory for a number of each solid
+  /// \param candidates  memory for a number of each solid and each body
   unsigned (*meet_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Scene3& scene,
                          Lanes* centres, unsigned* candidates);
+  /// Computes how a manipulator's bodies move: six lanes each, the turn's rate and the velocity of the frame's origin.
+  /// \param change  of each coordinate, in a unit of time
+  void (*rate_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const double* change, Lanes* rates);
+  /// Returns the lanes in which a manipulator may come nearer than `scene.slack` to something on a part of a motion;
+  /// in the others it certainly does not. Stops early once it may in all of them.
+  /// \param rates  for motion.change
+  unsigned (*approach_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
+                             const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* candidates);
+  /// Computes the least distance of a manipulator from everything.
+  /// \param placed  memory for a number of each body
+  /// \param least  on entry what the distances are at most; then the least one, at most 0 in contact
+  /// \param sure   on entry as `least`; then a lower bound on the distance on the part of the motion
+  void (*measure_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
+                        const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* placed, Lanes& least,
+                        Lanes& sure);
 };
 
 extern const Table baseline;

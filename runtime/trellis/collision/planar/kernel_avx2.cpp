@@ -25,6 +25,7 @@ inline void store(double* to, V v) {
 inline V operator+(V p, V q) { return {_mm256_add_pd(p.a, q.a), _mm256_add_pd(p.b, q.b)}; }
 inline V operator-(V p, V q) { return {_mm256_sub_pd(p.a, q.a), _mm256_sub_pd(p.b, q.b)}; }
 inline V operator*(V p, V q) { return {_mm256_mul_pd(p.a, q.a), _mm256_mul_pd(p.b, q.b)}; }
+inline V operator/(V p, V q) { return {_mm256_div_pd(p.a, q.a), _mm256_div_pd(p.b, q.b)}; }
 inline M operator<(V p, V q) { return {_mm256_cmp_pd(p.a, q.a, _CMP_LT_OQ), _mm256_cmp_pd(p.b, q.b, _CMP_LT_OQ)}; }
 inline M operator<=(V p, V q) { return {_mm256_cmp_pd(p.a, q.a, _CMP_LE_OQ), _mm256_cmp_pd(p.b, q.b, _CMP_LE_OQ)}; }
 inline M equal(V p, V q) { return {_mm256_cmp_pd(p.a, q.a, _CMP_EQ_OQ), _mm256_cmp_pd(p.b, q.b, _CMP_EQ_OQ)}; }
@@ -52,7 +53,8 @@ inline unsigned bits(M m) {
 
 }  // namespace
 
-const Table avx2 = {"avx2", &poses_of, &place, &outside, &collide, &move_chain, &meet_chain};
+const Table avx2 = {"avx2",      &poses_of,   &place,      &outside,        &collide,
+                    &move_chain, &meet_chain, &rate_chain, &approach_chain, &measure_chain};
 
 }  // namespace trellis::kernel
 

@@ -28,6 +28,7 @@ inline void store(double* to, V v) { _mm512_store_pd(to, v.a); }
 inline V operator+(V p, V q) { return {_mm512_add_pd(p.a, q.a)}; }
 inline V operator-(V p, V q) { return {_mm512_sub_pd(p.a, q.a)}; }
 inline V operator*(V p, V q) { return {_mm512_mul_pd(p.a, q.a)}; }
+inline V operator/(V p, V q) { return {_mm512_div_pd(p.a, q.a)}; }
 inline M operator<(V p, V q) { return {_mm512_cmp_pd_mask(p.a, q.a, _CMP_LT_OQ)}; }
 inline M operator<=(V p, V q) { return {_mm512_cmp_pd_mask(p.a, q.a, _CMP_LE_OQ)}; }
 inline M equal(V p, V q) { return {_mm512_cmp_pd_mask(p.a, q.a, _CMP_EQ_OQ)}; }
@@ -47,7 +48,8 @@ inline unsigned bits(M m) { return m.a; }
 
 }  // namespace
 
-const Table avx512 = {"avx512", &poses_of, &place, &outside, &collide, &move_chain, &meet_chain};
+const Table avx512 = {"avx512",    &poses_of,   &place,      &outside,        &collide,
+                      &move_chain, &meet_chain, &rate_chain, &approach_chain, &measure_chain};
 
 }  // namespace trellis::kernel
 

@@ -35,6 +35,7 @@ inline void store(double* to, const V& a) {
 inline V operator+(const V& a, const V& b) { TRELLIS_EACH_PAIR(V, a.p[i] + b.p[i]); }
 inline V operator-(const V& a, const V& b) { TRELLIS_EACH_PAIR(V, a.p[i] - b.p[i]); }
 inline V operator*(const V& a, const V& b) { TRELLIS_EACH_PAIR(V, a.p[i] * b.p[i]); }
+inline V operator/(const V& a, const V& b) { TRELLIS_EACH_PAIR(V, a.p[i] / b.p[i]); }
 inline M operator<(const V& a, const V& b) { TRELLIS_EACH_PAIR(M, a.p[i] < b.p[i]); }
 inline M operator<=(const V& a, const V& b) { TRELLIS_EACH_PAIR(M, a.p[i] <= b.p[i]); }
 inline M equal(const V& a, const V& b) { TRELLIS_EACH_PAIR(M, a.p[i] == b.p[i]); }
@@ -72,6 +73,7 @@ inline unsigned bits(const M& m) {
 
 }  // namespace
 
-const Table baseline = {"baseline", &poses_of, &place, &outside, &collide, &move_chain, &meet_chain};
+const Table baseline = {"baseline",  &poses_of,   &place,      &outside,        &collide,
+                        &move_chain, &meet_chain, &rate_chain, &approach_chain, &measure_chain};
 
 }  // namespace trellis::kernel

@@ -16,137 +16,13 @@
 #include <trellis/collision/common.hpp>
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/planar/kernel.hpp>
-#include <trellis/scene/cache_by_world.hpp>
+#include <trellis/collision/spatial/sphere_scene.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
 
 namespace trellis {
 
 namespace {
-
-/// A rotation as a matrix, row by row, and a position.
-struct BodyFrame {
-  std::array<double, 9> r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  Vec3 p;
-
-  [[nodiscard]] Vec3 operator()(const Vec3& v) const {
-    return {r[0] * v.x + r[1] * v.y + r[2] * v.z + p.x, r[3] * v.x + r[4] * v.y + r[5] * v.z + p.y,
-            r[6] * v.x + r[7] * v.y + r[8] * v.z + p.z};
-  }
-};
-
-using Matrix3 = std::array<double, 9>;
-
-Matrix3 times(const Matrix3& a, const Matrix3& b) {
-  Matrix3 c{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-    }
-  }
-  return c;
-}
-
-Matrix3 matrix_of(const Quaternion& q) {
-  const Vec3 x = q({1, 0, 0});
-  const Vec3 y = q({0, 1, 0});
-  const Vec3 z = q({0, 0, 1});
-  return {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
-}
-
-/// A convex obstacle, whose distance is computed at once.
-struct Primitive {
-  enum class Kind : std::uint8_t { sphere, box, cylinder, capsule };
-  Kind kind = Kind::sphere;
-  Matrix3 r{};  ///< from the world to its frame
-  Vec3 centre;
-  Vec3 half;  ///< of a box
-  double radius = 0.0;
-  double length = 0.0;  ///< half of it
-  double far = 0.0;     ///< radius of a ball about the centre that contains it
-  std::size_t obstacle = 0;
-
-  /// The distance of a point from its surface outside, 0 inside.
-  [[nodiscard]] double distance(const Vec3& at) const {
-    const Vec3 d = at - centre;
-    if (kind == Kind::sphere) return std::max(norm(d) - radius, 0.0);
-    const Vec3 u{r[0] * d.x + r[1] * d.y + r[2] * d.z, r[3] * d.x + r[4] * d.y + r[5] * d.z,
-                 r[6] * d.x + r[7] * d.y + r[8] * d.z};
-    switch (kind) {
-      case Kind::box:
-        return norm({std::max(std::abs(u.x) - half.x, 0.0), std::max(std::abs(u.y) - half.y, 0.0),
-                     std::max(std::abs(u.z) - half.z, 0.0)});
-      case Kind::cylinder: {
-        const double across = std::max(std::sqrt(u.x * u.x + u.y * u.y) - radius, 0.0);
-        const double along = std::max(std::abs(u.z) - length, 0.0);
-        return std::sqrt(across * across + along * along);
-      }
-      default: {
-        const double along = std::max(std::abs(u.z) - length, 0.0);
-        return std::max(std::sqrt(u.x * u.x + u.y * u.y + along * along) - radius, 0.0);
-      }
-    }
-  }
-};
-
-Primitive primitive_of(const Solid& solid, std::size_t obstacle) {
-  Primitive made;
-  made.r = matrix_of(solid.pose.orientation.inverse());
-  made.centre = solid.pose.position;
-  made.obstacle = obstacle;
-  made.far = farthest_from_origin({solid.shape, {}});
-  if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
-    made.radius = sphere->radius;
-  } else if (const auto* box = std::get_if<Cuboid>(&solid.shape)) {
-    made.kind = Primitive::Kind::box;
-    made.half = 0.5 * box->size;
-  } else if (const auto* cylinder = std::get_if<Cylinder>(&solid.shape)) {
-    made.kind = Primitive::Kind::cylinder;
-    made.radius = cylinder->radius;
-    made.length = 0.5 * cylinder->length;
-  } else if (const auto* capsule = std::get_if<Capsule>(&solid.shape)) {
-    made.kind = Primitive::Kind::capsule;
-    made.radius = capsule->radius;
-    made.length = 0.5 * capsule->length;
-  } else {
-    throw Fault("a mesh is no primitive");
-  }
-  return made;
-}
-
-/// The obstacles of a world: those that are primitives, and the meshes.
-struct SolidObstacles {
-  std::vector<Primitive> primitives;
-  std::optional<ObstacleDistance> meshes;
-  std::vector<std::size_t> of_mesh;  ///< for each mesh its obstacle
-};
-
-/// What all checkers of a world share.
-std::shared_ptr<const SolidObstacles> obstacles_in(const World3& world) {
-  static CacheByWorld<SolidObstacles> cache;
-  return cache.get(world, [](const World3& of) {
-    SolidObstacles all;
-    std::vector<Solid> meshes;
-    for (std::size_t i = 0; i < of.obstacles().size(); ++i) {
-      const Solid& solid = of.obstacles()[i].solid;
-      if (std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape)) {
-        meshes.push_back(solid);
-        all.of_mesh.push_back(i);
-      } else {
-        all.primitives.push_back(primitive_of(solid, i));
-      }
-    }
-    if (!meshes.empty()) all.meshes.emplace(meshes, of.surface());
-    return all;
-  });
-}
-
-/// A body's joint: its frame is that of its parent times origin + sin * once + (1 - cos) * twice.
-struct JointTurn {
-  Matrix3 origin{};
-  Matrix3 once{};
-  Matrix3 twice{};
-};
 
 class SphereChecker final : public Checker {
  public:
@@ -159,7 +35,9 @@ class SphereChecker final : public Checker {
         space_(space),
         resolution_(resolution),
         slack_(touching_slack(*scene_)),
-        obstacles_(obstacles_in(world_)),
+        shared_(SphereScene::of(scene_, slack_)),
+        obstacles_(&shared_->obstacles()),
+        batched_(shared_->batched()),
         q_(space.dimension()),
         change_(space.dimension()) {
     check_fits(*scene_, space, resolution);
@@ -168,16 +46,9 @@ class SphereChecker final : public Checker {
       if (!model_.bodies()[b].empty()) solid_.push_back(b);
     }
     frames_.resize(model_.bodies().size());
-    for (const Manipulator::Body& body : robot_.bodies()) {
-      const Vec3& a = body.axis;
-      const Matrix3 skew = {0, -a.z, a.y, a.z, 0, -a.x, -a.y, a.x, 0};
-      const Matrix3 origin = matrix_of(body.origin.orientation);
-      const Matrix3 once = times(origin, skew);
-      turns_.push_back({origin, once, times(once, skew)});
-    }
     placed_.resize(model_.bodies().size());
     for (std::size_t b = 0; b < placed_.size(); ++b) placed_[b].resize(model_.bodies()[b].size());
-    make_batches();
+    if (batched_) add_scratch();
   }
 
   [[nodiscard]] bool valid(View q) const override {
@@ -221,9 +92,9 @@ class SphereChecker final : public Checker {
       return;
     }
     Clearances motion(*this, a, b);
-    const double first =
+    const double longest =
         std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
-    add_motion(certificate, motion, motion.displacement(), first);
+    add_motion(certificate, motion, motion.displacement(), batched_ ? motion.first_of(longest) : longest);
   }
 
   [[nodiscard]] double clearance(View q) const override {
@@ -259,6 +130,7 @@ class SphereChecker final : public Checker {
 
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
+    if (batched_ && valid(q)) return std::nullopt;
     place(q);
     for (const std::size_t b : solid_) {
       if (margin_of(b) <= -slack_) return Contact{b, std::nullopt};
@@ -284,76 +156,14 @@ class SphereChecker final : public Checker {
   }
 
  private:
-  /// Prepares what the kernels read.
-  void make_batches() {
-    const auto& bodies = robot_.bodies();
-    batched_ = !obstacles_->meshes && std::none_of(bodies.begin(), bodies.end(), [](const Manipulator::Body& body) {
-      return body.kind == Joint::Kind::planar;
-    });
-    if (!batched_) return;
-    unsigned centres = 0;
-    for (const auto& balls : model_.bodies()) {
-      for (const BodySphere& ball : balls) balls_.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
-    }
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      const Manipulator::Body& body = bodies[b];
-      kernel::ChainBody& made = chain_.emplace_back();
-      made.parent = static_cast<unsigned>(body.parent);
-      made.slides = body.kind == Joint::Kind::prismatic;
-      made.column = static_cast<unsigned>(body.column);
-      made.multiplier = body.multiplier;
-      made.offset = body.offset;
-      std::copy(turns_[b].origin.begin(), turns_[b].origin.end(), made.origin);
-      std::copy(turns_[b].once.begin(), turns_[b].once.end(), made.once);
-      std::copy(turns_[b].twice.begin(), turns_[b].twice.end(), made.twice);
-      const Vec3 axis = BodyFrame{turns_[b].origin, {}}(body.axis);
-      const Vec3& p = body.origin.position;
-      made.position[0] = p.x;
-      made.position[1] = p.y;
-      made.position[2] = p.z;
-      made.axis[0] = axis.x;
-      made.axis[1] = axis.y;
-      made.axis[2] = axis.z;
-      made.balls = balls_.data() + centres;
-      made.ball_count = static_cast<unsigned>(model_.bodies()[b].size());
-      made.first_centre = centres;
-      centres += made.ball_count;
-    }
-    for (const Primitive& primitive : obstacles_->primitives) {
-      kernel::Solid3& made = solids_.emplace_back();
-      made.kind = static_cast<kernel::Solid3::Kind>(primitive.kind);
-      std::copy(primitive.r.begin(), primitive.r.end(), made.r);
-      made.x = primitive.centre.x;
-      made.y = primitive.centre.y;
-      made.z = primitive.centre.z;
-      made.hx = primitive.half.x;
-      made.hy = primitive.half.y;
-      made.hz = primitive.half.z;
-      made.radius = primitive.radius;
-      made.length = primitive.length;
-      made.far = primitive.far;
-    }
-    for (const auto& [a, b] : model_.pairs()) {
-      pairs_.push_back(static_cast<unsigned>(a));
-      pairs_.push_back(static_cast<unsigned>(b));
-    }
-    scene3_.solids = solids_.data();
-    scene3_.solid_count = static_cast<unsigned>(solids_.size());
-    scene3_.pairs = pairs_.data();
-    scene3_.pair_count = static_cast<unsigned>(model_.pairs().size());
-    scene3_.slack = slack_;
-    still_.assign(bodies.size(), 0.0);
-    scene3_.moved = still_.data();
-    scene3_.bounded = world_.contain() == Contain::robot;
-    const auto& [lo, hi] = world_.bounds();
-    for (unsigned k = 0; k < 3; ++k) {
-      scene3_.lo[k] = k == 0 ? lo.x : k == 1 ? lo.y : lo.z;
-      scene3_.hi[k] = k == 0 ? hi.x : k == 1 ? hi.y : hi.z;
-    }
+  /// Allocates the memory of the kernels, and places the base.
+  void add_scratch() {
+    const std::size_t bodies = chain().size();
     values_.resize(robot_.dimension());
-    frames3_.resize(12 * bodies.size());
-    centres_.resize(std::size_t{3} * centres);
-    candidates_.resize(solids_.size() + 1);
+    rates_.resize(6 * bodies);
+    frames3_.resize(12 * bodies);
+    centres_.resize(3 * shared_->ball_count());
+    candidates_.resize(shared_->kernel_scene().solid_count + bodies);
     const Matrix3 base = matrix_of(base_.orientation);
     for (double& value : frames3_[9].v) value = base_.position.x;
     for (double& value : frames3_[10].v) value = base_.position.y;
@@ -362,12 +172,13 @@ class SphereChecker final : public Checker {
       for (double& value : frames3_[k].v) value = base[k];
     }
   }
+  [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return shared_->chain(); }
   /// The lanes of `values_` in which the robot touches something.
-  [[nodiscard]] unsigned met() const { return met(scene3_); }
-  [[nodiscard]] unsigned met(const kernel::Scene3& scene) const {
-    const auto count = static_cast<unsigned>(chain_.size());
-    kernel_.move_chain(chain_.data(), count, values_.data(), frames3_.data());
-    return kernel_.meet_chain(chain_.data(), count, frames3_.data(), scene, centres_.data(), candidates_.data());
+  [[nodiscard]] unsigned met() const {
+    const auto count = static_cast<unsigned>(chain().size());
+    kernel_.move_chain(chain().data(), count, values_.data(), frames3_.data());
+    return kernel_.meet_chain(chain().data(), count, frames3_.data(), shared_->kernel_scene(), centres_.data(),
+                              candidates_.data());
   }
 
   /// A bound on how far the robot's points move from a to b.
@@ -385,7 +196,7 @@ class SphereChecker final : public Checker {
       const Manipulator::Body& body = robot_.bodies()[b];
       const BodyFrame& parent = frames_[body.parent];
       BodyFrame& frame = frames_[b];
-      const JointTurn& turn = turns_[b];
+      const JointTurn& turn = shared_->turns()[b];
       if (body.kind == Joint::Kind::planar) {
         const Pose3 pose = robot_.joint_pose(b, q);
         frame = {times(parent.r, matrix_of(pose.orientation)), parent(pose.position)};
@@ -563,11 +374,33 @@ class SphereChecker final : public Checker {
           change_(checker.space_.dimension()) {
       checker.space_.difference(a, b, change_);
       for (const std::size_t body : checker.solid_) {
-        whole_[body] = checker.robot_.displacement_bound(body, change_);
+        whole_[body] = checker.shared_->longest_path(body, change_);
         displacement_ = std::max(displacement_, whole_[body]);
       }
+      if (!checker.batched_) return;
+      bend_.assign(whole_.size(), 0.0);
+      for (const std::size_t body : checker.solid_) {
+        bend_[body] = checker.shared_->bend(body, checker.shared_->levers()[body].size(), change_);
+      }
+      pair_bend_.resize(checker.shared_->unshared().size());
+      for (std::size_t p = 0; p < pair_bend_.size(); ++p) {
+        const auto& [first, second] = checker.model_.pairs()[p];
+        const auto& [own, other] = checker.shared_->unshared()[p];
+        pair_bend_[p] = checker.shared_->bend(first, own, change_) + checker.shared_->bend(second, other, change_);
+      }
+      part_change_.resize(change_.size());
+      part_bend_.resize(bend_.size());
+      part_pair_bend_.resize(pair_bend_.size());
     }
     [[nodiscard]] double displacement() const { return displacement_; }
+    /// The length of the first intervals, so that whole calls of the kernels decide them. The displacement is bounded
+    /// as if all joints turned the robot in one direction, at its full length; the kernels bound it more closely.
+    [[nodiscard]] double first_of(double longest) const {
+      constexpr double overestimated = 4.0;
+      const double calls = std::max(std::ceil(displacement_ / (overestimated * longest * lanes)), 1.0);
+      // A little more, for rounding.
+      return std::max(1.000001 * displacement_ / (calls * lanes), std::numeric_limits<double>::min());
+    }
 
     [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
       if (!checker_.batched_) {
@@ -578,18 +411,19 @@ class SphereChecker final : public Checker {
         }
         return found;
       }
-      for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
-        checker_.space_.interpolate(a_, b_, shares[std::min(lane, shares.size() - 1)], checker_.q_);
-        for (std::size_t j = 0; j < checker_.values_.size(); ++j) checker_.values_[j].v[lane] = checker_.q_[j];
-      }
-      for (std::size_t b = 0; b < whole_.size(); ++b) moved_[b] = half * whole_[b];
-      kernel::Scene3 scene = checker_.scene3_;
+      const kernel::ChainMotion motion = move(shares, half);
+      kernel::Scene3 scene = checker_.shared_->kernel_scene();
       scene.slack = margin + checker_.slack_;
-      scene.moved = moved_.data();
-      scene.all_lanes = true;
-      return ~checker_.met(scene) & ((1U << shares.size()) - 1U);
+      const unsigned near = checker_.kernel_.approach_chain(
+          checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()), checker_.frames3_.data(),
+          checker_.rates_.data(), scene, motion, checker_.centres_.data(), checker_.candidates_.data());
+      return ~near & ((1U << shares.size()) - 1U);
+    }
+    [[nodiscard]] std::optional<double> measured_from() const override {
+      return checker_.batched_ ? std::optional(measured_from_share) : std::nullopt;
     }
     [[nodiscard]] Near near(double share, double half, double at_most) override {
+      if (checker_.batched_) return near_of_batch(share, half, at_most);
       place(share, half);
       for (const std::size_t b : checker_.solid_) checker_.place_balls(b);
       double sure = 0.0;
@@ -601,6 +435,54 @@ class SphereChecker final : public Checker {
     }
 
    private:
+    /// Distances at eight configurations cost twice as much as what `apart` says of them.
+    static constexpr double measured_from_share = 2.0;
+
+    /// Places the robot at eight configurations, and bounds how it moves to either side of each.
+    kernel::ChainMotion move(std::span<const double> shares, double half) {
+      shares_.fill(std::numeric_limits<double>::quiet_NaN());
+      std::copy(shares.begin(), shares.end(), shares_.begin());
+      half_ = half;
+      measured_ = false;
+      for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
+        checker_.space_.interpolate(a_, b_, shares[std::min(lane, shares.size() - 1)], checker_.q_);
+        for (std::size_t j = 0; j < checker_.values_.size(); ++j) checker_.values_[j].v[lane] = checker_.q_[j];
+      }
+      for (std::size_t j = 0; j < change_.size(); ++j) part_change_[j] = half * change_[j];
+      for (std::size_t b = 0; b < bend_.size(); ++b) part_bend_[b] = half * half * bend_[b];
+      for (std::size_t p = 0; p < pair_bend_.size(); ++p) part_pair_bend_[p] = half * half * pair_bend_[p];
+      const auto count = static_cast<unsigned>(checker_.chain().size());
+      checker_.kernel_.move_chain(checker_.chain().data(), count, checker_.values_.data(), checker_.frames3_.data());
+      checker_.kernel_.rate_chain(checker_.chain().data(), count, checker_.frames3_.data(), part_change_.data(),
+                                  checker_.rates_.data());
+      return part();
+    }
+    [[nodiscard]] kernel::ChainMotion part() const {
+      return {part_change_.data(), part_bend_.data(), part_pair_bend_.data()};
+    }
+    /// The distance at one of the configurations that `apart` decided last, or at another one; those of all eight are
+    /// computed at once.
+    [[nodiscard]] Near near_of_batch(double share, double half, double at_most) {
+      const auto* found = std::find(shares_.begin(), shares_.end(), share);
+      if (found == shares_.end() || half != half_) {
+        static_cast<void>(move(std::span(&share, 1), half));
+        found = shares_.begin();
+      }
+      if (!measured_) {
+        const double most = at_most + 2.0 * half * displacement_;
+        for (std::size_t lane = 0; lane < kernel::lanes; ++lane) least_.v[lane] = sure_.v[lane] = most;
+        checker_.kernel_.measure_chain(checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()),
+                                       checker_.frames3_.data(), checker_.rates_.data(),
+                                       checker_.shared_->kernel_scene(), part(), checker_.centres_.data(),
+                                       checker_.candidates_.data(), least_, sure_);
+        measured_ = true;
+      }
+      const auto lane = static_cast<std::size_t>(found - shares_.begin());
+      const double sure = sure_.v[lane] - checker_.slack_;
+      if (least_.v[lane] <= checker_.slack_) return {0.0, std::min(sure, 0.0)};
+      return {std::min(least_.v[lane], at_most), std::min(sure, at_most)};
+    }
+
     /// Places the robot, and bounds how far its bodies move to either side.
     void place(double share, double half) {
       checker_.space_.interpolate(a_, b_, share, checker_.q_);
@@ -618,6 +500,14 @@ class SphereChecker final : public Checker {
     std::vector<double> moved_;
     Configuration change_;  ///< of the coordinates on the whole motion
     double displacement_ = 0.0;
+    // For the kernels.
+    std::vector<double> bend_;  ///< of each body on the whole motion to either side; grows as the motion's square
+    std::vector<double> pair_bend_;
+    std::vector<double> part_change_, part_bend_, part_pair_bend_;  ///< of the part of the last call
+    std::array<double, lanes> shares_{};                            ///< of the last call; NaN: no configuration
+    double half_ = -1.0;
+    bool measured_ = false;  ///< whether the next two are of these configurations
+    kernel::Lanes least_{}, sure_{};
   };
 
   std::shared_ptr<const Scene> scene_;
@@ -628,23 +518,17 @@ class SphereChecker final : public Checker {
   Space space_;
   double resolution_;
   double slack_;
-  std::shared_ptr<const SolidObstacles> obstacles_;
-  std::vector<JointTurn> turns_;    ///< of each body
+  std::shared_ptr<const SphereScene> shared_;
+  const SolidObstacles* obstacles_;
   std::vector<std::size_t> solid_;  ///< bodies with balls
-  // For the kernels, which decide eight configurations at a time; without meshes, and for a base that does not move.
-  bool batched_ = false;
+  bool batched_ = false;            ///< whether the kernels decide
   const kernel::Table& kernel_ = kernel::best();
-  std::vector<kernel::Ball> balls_;
-  std::vector<kernel::ChainBody> chain_;
-  std::vector<kernel::Solid3> solids_;
-  std::vector<unsigned> pairs_;
-  std::vector<double> still_;  ///< bodies that do not move further
-  kernel::Scene3 scene3_;
   // Scratch.
   mutable Configuration q_;
   mutable Configuration change_;
   mutable std::vector<kernel::Lanes> values_;
   mutable std::vector<kernel::Lanes> frames3_;
+  mutable std::vector<kernel::Lanes> rates_;
   mutable std::vector<kernel::Lanes> centres_;
   mutable std::vector<unsigned> candidates_;
   mutable std::vector<BodyFrame> frames_;          ///< of each body in the world

@@ -25,6 +25,8 @@ struct ChainBody {
   const Ball* balls = nullptr;  ///< the first one contains the others
   unsigned ball_count = 0;
   unsigned first_centre = 0;  ///< of its balls among those of all bodies
+  /// The solids that it can touch, from `reached_begin` to `reached_end` in Scene3::reached.
+  unsigned reached_begin = 0, reached_end = 0;
 };
 
 /// A convex obstacle of space.
@@ -42,14 +44,22 @@ struct Solid3 {
 struct Scene3 {
   const Solid3* solids = nullptr;
   unsigned solid_count = 0;
-  const unsigned* pairs = nullptr;  ///< two bodies each
+  const unsigned* reached = nullptr;  ///< solids, see ChainBody
+  const unsigned* pairs = nullptr;    ///< two bodies each
   unsigned pair_count = 0;
-  bool bounded = false;           ///< whether the balls must lie within lo and hi
-  double lo[3] = {};              // NOLINT
-  double hi[3] = {};              // NOLINT
-  double slack = 0.0;             ///< a gap of at most this, and what the bodies move by, is contact
-  const double* moved = nullptr;  ///< of each body
-  bool all_lanes = false;         ///< whether all lanes are decided although the first one is in contact
+  bool bounded = false;  ///< whether the balls must lie within lo and hi
+  double lo[3] = {};     // NOLINT
+  double hi[3] = {};     // NOLINT
+  double slack = 0.0;    ///< a gap of at most this is contact
+};
+
+/// A part of a motion on which the coordinates change at constant rates, seen from its middle.
+struct ChainMotion {
+  const double* change = nullptr;  ///< of each coordinate, from the middle to the end
+  /// For each body: how far, in metres, the centres of its balls leave the straight lines that their velocities at the
+  /// middle give, at most.
+  const double* bend = nullptr;
+  const double* pair_bend = nullptr;  ///< the same for each pair, of the difference of two centres
 };
 
 }  // namespace trellis::kernel

@@ -79,7 +79,10 @@ KinematicTree::KinematicTree(std::string name, std::vector<Link> links, std::vec
 
 void KinematicTree::check_joints() const {
   for (const Joint& joint : joints_) {
-    const auto fail = [&](const std::string& fault) { throw Error(fmt::format("joint '{}' {}", joint.name, fault)); };
+    const auto fail = [&](const std::string& fault) {
+      throw TreeError(TreeError::Part::joint, static_cast<std::size_t>(&joint - joints_.data()),
+                      fmt::format("joint '{}' {}", joint.name, fault));
+    };
     if (joint.parent >= links_.size() || joint.child >= links_.size()) throw Fault("a joint of no link");
     if (!(std::abs(norm(joint.axis) - 1.0) < 1e-6)) fail("has an axis that is not of length 1");
     const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
@@ -106,8 +109,9 @@ void KinematicTree::order() {
     const Joint& joint = joints_[j];
     std::size_t& known = carries[joint.child];
     if (known != none) {
-      throw Error(fmt::format("link '{}' is the child of two joints, '{}' and '{}'", links_[joint.child].name,
-                              joints_[known].name, joint.name));
+      throw TreeError(TreeError::Part::joint, j,
+                      fmt::format("link '{}' is the child of two joints, '{}' and '{}'", links_[joint.child].name,
+                                  joints_[known].name, joint.name));
     }
     known = j;
     below[joint.parent].push_back(j);
@@ -116,12 +120,18 @@ void KinematicTree::order() {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     if (carries[i] != none) continue;
     if (base) {
-      throw Error(
+      throw TreeError(
+          TreeError::Part::link, i,
           fmt::format("no joint leads to '{}' nor to '{}'; a robot has one base", links_[*base].name, links_[i].name));
     }
     base = i;
   }
-  if (!base) throw Error(fmt::format("the joints of robot '{}' make a cycle: it has no base", name_));
+  if (!base) {
+    const std::size_t j = cycle_above(carries, 0);
+    throw TreeError(
+        TreeError::Part::joint, j,
+        fmt::format("the joints of robot '{}' make a cycle through '{}': it has no base", name_, joints_[j].name));
+  }
   base_ = *base;
   // Breadth first; a link that is not reached is on a cycle.
   std::vector<std::size_t> sequence;
@@ -136,8 +146,10 @@ void KinematicTree::order() {
     std::vector<char> reached(links_.size(), 0);
     for (const std::size_t i : links) reached[i] = 1;
     const auto lost = static_cast<std::size_t>(std::find(reached.begin(), reached.end(), 0) - reached.begin());
-    throw Error(fmt::format("link '{}' is on a cycle of joints: '{}' leads to it", links_[lost].name,
-                            joints_[carries[lost]].name));
+    const std::size_t j = cycle_above(carries, lost);
+    throw TreeError(TreeError::Part::joint, j,
+                    fmt::format("link '{}' is on a cycle of joints: '{}' leads to it", links_[joints_[j].child].name,
+                                joints_[j].name));
   }
   std::vector<std::size_t> place(joints_.size());
   std::vector<Joint> ordered;
@@ -152,6 +164,15 @@ void KinematicTree::order() {
     joint_of_[joints_[j].child] = j;
     if (joints_[j].mimic) joints_[j].mimic->joint = place[joints_[j].mimic->joint];
   }
+}
+
+std::size_t KinematicTree::cycle_above(const std::vector<std::size_t>& carries, std::size_t link) const {
+  std::vector<char> passed(links_.size(), 0);
+  while (passed[link] == 0) {
+    passed[link] = 1;
+    link = joints_[carries[link]].parent;
+  }
+  return carries[link];
 }
 
 std::optional<std::size_t> KinematicTree::joint_of(std::size_t link) const {

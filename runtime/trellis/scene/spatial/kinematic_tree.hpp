@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
+#include <trellis/base/error.hpp>
 #include <trellis/scene/spatial/shapes.hpp>
 
 namespace trellis {
@@ -58,13 +59,23 @@ std::pair<Vec3, Vec3> across(const Vec3& axis);
 /// The name of a kind in URDF: "revolute".
 const char* to_string(Joint::Kind kind);
 
+/// A fault of a tree's links or joints, and which one has it, so that readers name its line.
+class TreeError : public Error {
+ public:
+  enum class Part : std::uint8_t { link, joint };
+  TreeError(Part which, std::size_t index, const std::string& message) : Error(message), part(which), number(index) {}
+  Part part;
+  std::size_t number;  ///< among those that KinematicTree was given
+};
+
 /// The links and joints of a robot: a tree whose root is the base. Immutable.
 class KinematicTree {
  public:
   static constexpr std::size_t most_links = 1000;
 
   /// Checks that the joints make one tree of all links, and orders them from the base.
-  /// \throws Error that names the link or the joint: two parents, a cycle, several bases, a mimic chain, limits that
+  /// \throws TreeError that names the link or the joint: two parents, a cycle, several bases, a mimic chain, limits
+  /// that
   ///     are not finite or in order, an axis that is not of norm 1
   KinematicTree(std::string name, std::vector<Link> links, std::vector<Joint> joints);
 
@@ -84,6 +95,10 @@ class KinematicTree {
 
  private:
   void order();
+  /// Returns a joint on a cycle.
+  /// \param carries  for each link the joint whose child it is
+  /// \param link     on a cycle, or carried by one
+  [[nodiscard]] std::size_t cycle_above(const std::vector<std::size_t>& carries, std::size_t link) const;
   void check_joints() const;
 
   std::string name_;

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/collision/spatial/sphere_scene.hpp>
+
+#include <algorithm>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/cache_by_world.hpp>
+
+namespace trellis {
+
+Matrix3 times(const Matrix3& a, const Matrix3& b) {
+  Matrix3 c{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+    }
+  }
+  return c;
+}
+
+Matrix3 matrix_of(const Quaternion& q) {
+  const Vec3 x = q({1, 0, 0});
+  const Vec3 y = q({0, 1, 0});
+  const Vec3 z = q({0, 0, 1});
+  return {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+}
+
+namespace {
+
+Primitive primitive_of(const Solid& solid, std::size_t obstacle) {
+  Primitive made;
+  made.r = matrix_of(solid.pose.orientation.inverse());
+  made.centre = solid.pose.position;
+  made.obstacle = obstacle;
+  made.far = farthest_from_origin({solid.shape, {}});
+  if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
+    made.radius = sphere->radius;
+  } else if (const auto* box = std::get_if<Cuboid>(&solid.shape)) {
+    made.kind = Primitive::Kind::box;
+    made.half = 0.5 * box->size;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&solid.shape)) {
+    made.kind = Primitive::Kind::cylinder;
+    made.radius = cylinder->radius;
+    made.length = 0.5 * cylinder->length;
+  } else if (const auto* capsule = std::get_if<Capsule>(&solid.shape)) {
+    made.kind = Primitive::Kind::capsule;
+    made.radius = capsule->radius;
+    made.length = 0.5 * capsule->length;
+  } else {
+    throw Fault("a mesh is no primitive");
+  }
+  return made;
+}
+
+/// What all checkers of a world share.
+std::shared_ptr<const SolidObstacles> obstacles_in(const World3& world) {
+  static CacheByWorld<SolidObstacles> cache;
+  return cache.get(world, [](const World3& of) {
+    SolidObstacles all;
+    std::vector<Solid> meshes;
+    for (std::size_t i = 0; i < of.obstacles().size(); ++i) {
+      const Solid& solid = of.obstacles()[i].solid;
+      if (std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape)) {
+        meshes.push_back(solid);
+        all.of_mesh.push_back(i);
+      } else {
+        all.primitives.push_back(primitive_of(solid, i));
+      }
+    }
+    if (!meshes.empty()) all.meshes.emplace(meshes, of.surface());
+    return all;
+  });
+}
+
+/// A ball about the others of a body, nearly as small as possible: moves the first one's centre to the farthest ball,
+/// by less each time (Badoiu and Clarkson 2003).
+BodySphere enclosing(const std::vector<BodySphere>& balls) {
+  BodySphere best = balls.front();
+  Vec3 centre = best.centre;
+  constexpr int steps = 64;
+  for (int k = 0; k < steps; ++k) {
+    double far = 0.0;
+    const BodySphere* farthest = nullptr;
+    for (std::size_t i = 1; i < balls.size(); ++i) {
+      const double distance = norm(balls[i].centre - centre) + balls[i].radius;
+      if (distance > far) far = distance, farthest = &balls[i];
+    }
+    if (far < best.radius) best = {centre, far};
+    if (farthest == nullptr) break;
+    const Vec3 towards = farthest->centre - centre;
+    const double length = norm(towards);
+    if (!(length > 0.0)) break;
+    // The farthest point of that ball.
+    centre = centre + ((length + farthest->radius) / (length * (k + 2))) * towards;
+  }
+  // More than rounding, so that it contains the others.
+  best.radius *= 1.0 + 1e-12;
+  return best;
+}
+
+}  // namespace
+
+std::shared_ptr<const SphereScene> SphereScene::of(const std::shared_ptr<const Scene>& scene, double slack) {
+  /// A scene as a world, whose copies are one object.
+  struct Shared {
+    const std::shared_ptr<const Scene>& scene;
+    [[nodiscard]] std::shared_ptr<const void> identity() const { return scene; }
+  };
+  static CacheByWorld<SphereScene> cache;
+  return cache.get(Shared{scene}, [&](const Shared& of) { return SphereScene(*of.scene->manipulator(), slack); });
+}
+
+SphereScene::SphereScene(const ManipulatorScene& scene, double slack)
+    : model_(scene.robot), obstacles_(obstacles_in(scene.world)) {
+  add_turns();
+  add_levers();
+  make_batches(scene.world, slack);
+}
+
+void SphereScene::add_turns() {
+  for (const Manipulator::Body& body : model_.robot().bodies()) {
+    const Vec3& a = body.axis;
+    const Matrix3 skew = {0, -a.z, a.y, a.z, 0, -a.x, -a.y, a.x, 0};
+    const Matrix3 origin = matrix_of(body.origin.orientation);
+    const Matrix3 once = times(origin, skew);
+    turns_.push_back({origin, once, times(once, skew)});
+  }
+}
+
+void SphereScene::add_levers() {
+  levers_.resize(model_.bodies().size());
+  for (std::size_t b = 0; b < levers_.size(); ++b) {
+    if (model_.bodies()[b].empty()) continue;
+    double far = 0.0;
+    for (const BodySphere& ball : model_.bodies()[b]) far = std::max(far, norm(ball.centre));
+    for (std::size_t at = b; at != 0; at = model_.robot().bodies()[at].parent) {
+      levers_[b].push_back({at, far});
+      far += norm(model_.robot().bodies()[at].origin.position) + model_.robot().extension(at);
+    }
+  }
+  for (const auto& [a, b] : model_.pairs()) {
+    std::size_t own = levers_[a].size();
+    std::size_t other = levers_[b].size();
+    while (own > 0 && other > 0 && levers_[a][own - 1].joint == levers_[b][other - 1].joint) {
+      --own;
+      --other;
+    }
+    unshared_.emplace_back(own, other);
+  }
+}
+
+double SphereScene::longest_path(std::size_t body, View change) const {
+  double sum = 0.0;
+  for (const Lever& lever : levers_[body]) {
+    const Manipulator::Body& joint = model_.robot().bodies()[lever.joint];
+    const double by = std::abs(joint.multiplier * change[joint.column]);
+    switch (joint.kind) {
+      case Joint::Kind::prismatic: sum += by; break;
+      case Joint::Kind::planar:
+        sum += by + std::abs(change[joint.column + 1]) + std::abs(change[joint.column + 2]) * lever.length;
+        break;
+      default: sum += by * lever.length; break;
+    }
+  }
+  return sum;
+}
+
+double SphereScene::bend(std::size_t body, std::size_t joints, View change) const {
+  double sum = 0.0;
+  double turned = 0.0;  // by the joints that carry those of before
+  for (std::size_t k = joints; k-- > 0;) {
+    const Lever& lever = levers_[body][k];
+    const Manipulator::Body& joint = model_.robot().bodies()[lever.joint];
+    const double by = std::abs(joint.multiplier * change[joint.column]);
+    if (joint.kind == Joint::Kind::prismatic) {
+      sum += by * turned;
+    } else {
+      sum += by * lever.length * (0.5 * by + turned);
+      turned += by;
+    }
+  }
+  return sum;
+}
+
+void SphereScene::make_batches(const World3& world, double slack) {
+  const auto& bodies = model_.robot().bodies();
+  batched_ = !obstacles_->meshes && std::none_of(bodies.begin(), bodies.end(), [](const Manipulator::Body& body) {
+    return body.kind == Joint::Kind::planar;
+  });
+  if (!batched_) return;
+  unsigned centres = 0;
+  for (const auto& balls : model_.bodies()) {
+    for (const BodySphere& ball : balls) balls_.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
+    if (balls.empty()) continue;
+    const BodySphere whole = enclosing(balls);
+    balls_[balls_.size() - balls.size()] = {whole.centre.x, whole.centre.y, whole.centre.z, whole.radius};
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Manipulator::Body& body = bodies[b];
+    kernel::ChainBody& made = chain_.emplace_back();
+    made.parent = static_cast<unsigned>(body.parent);
+    made.slides = body.kind == Joint::Kind::prismatic;
+    made.column = static_cast<unsigned>(body.column);
+    made.multiplier = body.multiplier;
+    made.offset = body.offset;
+    std::copy(turns_[b].origin.begin(), turns_[b].origin.end(), made.origin);
+    std::copy(turns_[b].once.begin(), turns_[b].once.end(), made.once);
+    std::copy(turns_[b].twice.begin(), turns_[b].twice.end(), made.twice);
+    const Vec3 axis = BodyFrame{turns_[b].origin, {}}(body.axis);
+    const Vec3& p = body.origin.position;
+    made.position[0] = p.x;
+    made.position[1] = p.y;
+    made.position[2] = p.z;
+    made.axis[0] = axis.x;
+    made.axis[1] = axis.y;
+    made.axis[2] = axis.z;
+    made.balls = balls_.data() + centres;
+    made.ball_count = static_cast<unsigned>(model_.bodies()[b].size());
+    made.first_centre = centres;
+    centres += made.ball_count;
+  }
+  for (const Primitive& primitive : obstacles_->primitives) {
+    kernel::Solid3& made = solids_.emplace_back();
+    made.kind = static_cast<kernel::Solid3::Kind>(primitive.kind);
+    std::copy(primitive.r.begin(), primitive.r.end(), made.r);
+    made.x = primitive.centre.x;
+    made.y = primitive.centre.y;
+    made.z = primitive.centre.z;
+    made.hx = primitive.half.x;
+    made.hy = primitive.half.y;
+    made.hz = primitive.half.z;
+    made.radius = primitive.radius;
+    made.length = primitive.length;
+    made.far = primitive.far;
+  }
+  list_reached(slack);
+  for (const auto& [a, b] : model_.pairs()) {
+    pairs_.push_back(static_cast<unsigned>(a));
+    pairs_.push_back(static_cast<unsigned>(b));
+  }
+  scene_.solids = solids_.data();
+  scene_.solid_count = static_cast<unsigned>(solids_.size());
+  scene_.reached = reached_.data();
+  scene_.pairs = pairs_.data();
+  scene_.pair_count = static_cast<unsigned>(model_.pairs().size());
+  scene_.slack = slack;
+  scene_.bounded = world.contain() == Contain::robot;
+  const auto& [lo, hi] = world.bounds();
+  for (unsigned k = 0; k < 3; ++k) {
+    scene_.lo[k] = k == 0 ? lo.x : k == 1 ? lo.y : lo.z;
+    scene_.hi[k] = k == 0 ? hi.x : k == 1 ? hi.y : hi.z;
+  }
+}
+
+/// Lists the solids that each body can touch: those within the lengths of the links that carry it.
+void SphereScene::list_reached(double slack) {
+  for (std::size_t b = 0; b < chain_.size(); ++b) {
+    chain_[b].reached_begin = static_cast<unsigned>(reached_.size());
+    const auto& balls = model_.bodies()[b];
+    // From the origin of the first joint's frame, which does not move, to the farthest point of a ball.
+    double reach = 0.0;
+    for (const BodySphere& ball : balls) reach = std::max(reach, norm(ball.centre) + ball.radius);
+    std::size_t first = 0;
+    for (std::size_t at = b; at != 0; first = at, at = model_.robot().bodies()[at].parent) {
+      if (first != 0) reach += norm(model_.robot().bodies()[first].origin.position);
+      reach += model_.robot().extension(at);
+    }
+    const Vec3 from = model_.base()(first == 0 ? Vec3{} : model_.robot().bodies()[first].origin.position);
+    // More than rounding: what is left out must be out of reach.
+    constexpr double more = 1e-6;
+    for (const Primitive& primitive : obstacles_->primitives) {
+      if (balls.empty() || primitive.distance(from) > reach + slack + more) continue;
+      reached_.push_back(static_cast<unsigned>(&primitive - obstacles_->primitives.data()));
+    }
+    chain_[b].reached_end = static_cast<unsigned>(reached_.size());
+  }
+}
+
+}  // namespace trellis

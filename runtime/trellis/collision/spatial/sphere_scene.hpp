@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/collision/planar/kernel.hpp>
+#include <trellis/scene/scene.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/scene/spatial/obstacle_distance.hpp>
+
+namespace trellis {
+
+/// A rotation, row by row.
+using Matrix3 = std::array<double, 9>;
+
+Matrix3 times(const Matrix3& a, const Matrix3& b);
+Matrix3 matrix_of(const Quaternion& q);
+
+/// A rotation as a matrix, row by row, and a position.
+struct BodyFrame {
+  Matrix3 r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  Vec3 p;
+
+  [[nodiscard]] Vec3 operator()(const Vec3& v) const {
+    return {r[0] * v.x + r[1] * v.y + r[2] * v.z + p.x, r[3] * v.x + r[4] * v.y + r[5] * v.z + p.y,
+            r[6] * v.x + r[7] * v.y + r[8] * v.z + p.z};
+  }
+};
+
+/// A convex obstacle, whose distance is computed at once.
+struct Primitive {
+  enum class Kind : std::uint8_t { sphere, box, cylinder, capsule };
+  Kind kind = Kind::sphere;
+  Matrix3 r{};  ///< from the world to its frame
+  Vec3 centre;
+  Vec3 half;  ///< of a box
+  double radius = 0.0;
+  double length = 0.0;  ///< half of it
+  double far = 0.0;     ///< radius of a ball about the centre that contains it
+  std::size_t obstacle = 0;
+
+  /// The distance of a point from its surface outside, 0 inside.
+  [[nodiscard]] double distance(const Vec3& at) const {
+    const Vec3 d = at - centre;
+    if (kind == Kind::sphere) return std::max(norm(d) - radius, 0.0);
+    const Vec3 u{r[0] * d.x + r[1] * d.y + r[2] * d.z, r[3] * d.x + r[4] * d.y + r[5] * d.z,
+                 r[6] * d.x + r[7] * d.y + r[8] * d.z};
+    switch (kind) {
+      case Kind::box:
+        return norm({std::max(std::abs(u.x) - half.x, 0.0), std::max(std::abs(u.y) - half.y, 0.0),
+                     std::max(std::abs(u.z) - half.z, 0.0)});
+      case Kind::cylinder: {
+        const double across = std::max(std::sqrt(u.x * u.x + u.y * u.y) - radius, 0.0);
+        const double along = std::max(std::abs(u.z) - length, 0.0);
+        return std::sqrt(across * across + along * along);
+      }
+      default: {
+        const double along = std::max(std::abs(u.z) - length, 0.0);
+        return std::max(std::sqrt(u.x * u.x + u.y * u.y + along * along) - radius, 0.0);
+      }
+    }
+  }
+};
+
+/// The obstacles of a world: those that are primitives, and the meshes.
+struct SolidObstacles {
+  std::vector<Primitive> primitives;
+  std::optional<ObstacleDistance> meshes;
+  std::vector<std::size_t> of_mesh;  ///< for each mesh its obstacle
+};
+
+/// A body's joint: its frame is that of its parent times origin + sin * once + (1 - cos) * twice.
+struct JointTurn {
+  Matrix3 origin{};
+  Matrix3 once{};
+  Matrix3 twice{};
+};
+
+/// A joint that moves a body.
+struct Lever {
+  std::size_t joint = 0;  ///< the body that the joint carries directly
+  double length = 0.0;    ///< the farthest that centres of the body's balls are from the joint's axis, in metres
+};
+
+/// What the checkers of a manipulator in a world share: it costs more to make than an easy search.
+class SphereScene {
+ public:
+  SphereScene(const ManipulatorScene& scene, double slack);
+  SphereScene(const SphereScene&) = delete;
+  SphereScene& operator=(const SphereScene&) = delete;
+  SphereScene(SphereScene&&) = default;
+  SphereScene& operator=(SphereScene&&) = delete;
+  ~SphereScene() = default;
+
+  /// Returns that of a scene, for all threads: made at the first call.
+  static std::shared_ptr<const SphereScene> of(const std::shared_ptr<const Scene>& scene, double slack);
+
+  /// A bound on how far the centres of a body's balls move.
+  /// \param change  of the coordinates
+  [[nodiscard]] double longest_path(std::size_t body, View change) const;
+  /// A bound on how far the centres of a body's balls leave straight lines, seen from the body that some of its joints
+  /// begin at: half the largest norm of the second derivative, the sum over joints j and k of the product of their
+  /// rates and the lever of the outer one.
+  /// \param joints  so many, the outermost first
+  /// \param change  of the coordinates, to either side
+  [[nodiscard]] double bend(std::size_t body, std::size_t joints, View change) const;
+
+  [[nodiscard]] const SolidObstacles& obstacles() const { return *obstacles_; }
+  /// For each body.
+  [[nodiscard]] const std::vector<JointTurn>& turns() const { return turns_; }
+  /// For each body with balls its joints, the outermost first.
+  [[nodiscard]] const std::vector<std::vector<Lever>>& levers() const { return levers_; }
+  /// For each pair so many joints of either body, which the other one does not have.
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& unshared() const { return unshared_; }
+
+  /// Whether the kernels decide: without meshes, and for a base that does not move.
+  [[nodiscard]] bool batched() const { return batched_; }
+  // What the kernels read.
+  [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return chain_; }
+  [[nodiscard]] const kernel::Scene3& kernel_scene() const { return scene_; }
+  [[nodiscard]] std::size_t ball_count() const { return balls_.size(); }
+
+ private:
+  void add_turns();
+  void add_levers();
+  void make_batches(const World3& world, double slack);
+  void list_reached(double slack);
+
+  SphereModel model_;
+  std::shared_ptr<const SolidObstacles> obstacles_;
+  std::vector<JointTurn> turns_;
+  std::vector<std::vector<Lever>> levers_;
+  std::vector<std::pair<std::size_t, std::size_t>> unshared_;
+  bool batched_ = false;
+  std::vector<kernel::Ball> balls_;
+  std::vector<kernel::ChainBody> chain_;
+  std::vector<kernel::Solid3> solids_;
+  std::vector<unsigned> reached_;
+  std::vector<unsigned> pairs_;
+  kernel::Scene3 scene_;
+};
+
+}  // namespace trellis
