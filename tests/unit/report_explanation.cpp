@@ -163,7 +163,7 @@ TEST_CASE("an explanation says which parts a combinator has, and who pays for wh
   CHECK_THAT(line(bias >> shrink >> planner()),
              Contains("proposals from h cost at most 0.8 (bound - 1) = 0.8 times the work of the other proposals"));
   const std::string once = line(GuideSpec::make("skeleton", {}) >> PlannerSpec::make("rrt", {{"queries", 1.0}}));
-  CHECK_THAT(once, Contains("it begins when rrt without guides has done as much work beyond 800, unless that ends"));
+  CHECK_THAT(once, Contains("it begins when rrt without guides has done as much work beyond 1200, unless that ends"));
 
   const GuideSpec bridge = GuideSpec::make("bridge_test", {});
   CHECK_THAT(line((bias + bridge) >> planner()),

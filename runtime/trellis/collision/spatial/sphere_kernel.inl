@@ -301,8 +301,8 @@ inline V longest_step(const Rate& rate, const V3& centre, double radius) {
 }
 
 /// As longest_step, seen from another body.
-inline V longest_step_from(const Rate& from, const Rate& rate, const V3& centre, double radius) {
-  return length(rate.at(centre) - from.at(centre)) + length(rate.turn - from.turn) * spread(radius);
+inline V longest_step_from(const Rate& viewer, const Rate& body, const V3& centre, double radius) {
+  return length(body.at(centre) - viewer.at(centre)) + length(body.turn - viewer.turn) * spread(radius);
 }
 
 unsigned approach_chain(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
