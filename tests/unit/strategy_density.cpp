@@ -211,7 +211,7 @@ void check_distribution(const Space& space, const std::function<double(View)>& d
     statistic += squared();
     cells += 1.0;
   }
-  CHECK(std::abs(mass.sum - (1.0 - atoms)) < 1e-2 + 3.0 * std::sqrt(variance));
+  CHECK(std::abs(mass.sum - (1.0 - atoms)) < 1e-2 + 3.0 * std::sqrt(std::max(variance, 0.0)));
   CHECK(statistic < cells + 6.0 * std::sqrt(2.0 * cells) + 6.0);
 }
 
