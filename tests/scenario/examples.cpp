@@ -246,7 +246,7 @@ SCENARIO("anytime planners, and how little the lazy ones check", "[examples][slo
     }
     THEN("what a shorter path could pass through leaves the shorter path") {
       for (const auto* name : {"informed_rrt_star", "informed_lazy_prm_star"}) {
-        CHECK_THAT(script.trial(name, seeds(30)), FindsPaths(at_most(5.7)));
+        CHECK_THAT(script.trial(name, seeds(30)), FindsPaths(at_most(5.6)));
       }
     }
   }

@@ -41,6 +41,11 @@ SCENARIO("samples near what is invalid in a long passage for a roadmap that chec
       const Trial guided = tried(guide("bridge_test", {{"sigma", 0.6}}) >> roadmap(), problem);
       THEN("it loses little") { CHECK_THAT(guided, LosesLittle(plain)); }
     }
+    WHEN("a roadmap is guided by bridge_test alone, without a bound") {
+      const PlannerSpec alone = PlannerSpec::make("prm", {{"proposals", std::int64_t{4000}}, {"bound", 0.0}});
+      const Trial guided = tried(guide("bridge_test", {{"sigma", 0.6}}) >> alone, problem);
+      THEN("it saves proposals") { CHECK_THAT(guided, Spends(fewer_than(plain).proposals())); }
+    }
     WHEN("a roadmap is guided by obstacle_based") {
       const Trial guided = tried(guide("obstacle_based") >> roadmap(), problem);
       THEN("it loses little") { CHECK_THAT(guided, LosesLittle(plain)); }

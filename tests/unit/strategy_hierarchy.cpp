@@ -408,7 +408,7 @@ TEST_CASE("what comes back into the world of a level comes back into the worlds 
 
 TEST_CASE("a path that lazy validated is not checked again", "[strategy][lazy]") {
   const auto problem = test::cup_problem();
-  const auto planner = PlannerSpec::make("rrt", {{"step", 0.5}, {"goal_bias", 0.0}, {"uniform", 0.0}, {"bound", 0.0}});
+  const auto planner = PlannerSpec::make("rrt", {{"step", 0.5}, {"goal_bias", 0.0}, {"uniform", 0.0}});
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const RunRecord run =
         execute({planner, GuideSpec::make("skeleton", {}) >> GuideSpec::make("lazy", {})}, problem, seed);
@@ -432,9 +432,8 @@ TEST_CASE("a path that the search of a smaller robot's space validated in C is n
   std::vector<double> alone;
   for (std::uint64_t seed = 1; seed <= 9; ++seed) {
     const auto skeleton = GuideSpec::make("skeleton", {});
-    const PlannerSpec planner = PlannerSpec::make("rrt", {{"bound", 0.0}});
-    const RunRecord both = execute({planner, skeleton >> GuideSpec::make("shrink", {{"scale", 0.5}})}, problem, seed);
-    const RunRecord one = execute({planner, skeleton}, problem, seed);
+    const RunRecord both = execute(over(skeleton >> GuideSpec::make("shrink", {{"scale", 0.5}}), "rrt"), problem, seed);
+    const RunRecord one = execute(over(skeleton, "rrt"), problem, seed);
     REQUIRE(both.solved);
     REQUIRE(one.solved);
     nested.push_back(static_cast<double>(both.validity_checks));

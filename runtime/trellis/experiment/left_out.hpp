@@ -20,7 +20,7 @@ bool is_ablation(const Experiment& experiment, const std::string& strategy);
 const std::pair<std::string, StrategySpec>* equal_strategy(const Experiment& experiment, const std::string& strategy,
                                                            const StrategySpec& spec);
 
-/// Returns the work that the runs without each guide may take on a problem, in validity checks: `Experiment::ablation`
+/// Returns the work that the runs without each guide may take on a problem, see RunCost: `Experiment::ablation`
 /// times the work of the experiment's runs there and 20 000 for each run that is scored, but for at least 200 000. It
 /// counts work instead of time, so that it is the same for every machine and every number of threads.
 double ablation_budget(const Experiment& experiment, const ExperimentResult& result, const std::string& problem);

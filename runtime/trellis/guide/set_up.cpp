@@ -17,7 +17,7 @@ namespace trellis {
 
 namespace {
 
-/// Work of a set-up, in validity checks: a constant and a rate per obstacle.
+/// Work of a set-up, in units of search_cost: a constant and a rate per obstacle.
 struct Rate {
   double constant = 0.0;
   double per_obstacle = 0.0;
@@ -67,7 +67,7 @@ constexpr std::array<Entry, 26> entries = {{
     {"learned", {{}, {450000}}, {{}, {450000}}},
 }};
 
-/// Work per stored path that a guide retrieves, in validity checks; 0 for other guides.
+/// Work per stored path that a guide retrieves, in the same units; 0 for other guides.
 double work_per_path(std::string_view guide) {
   if (guide == "experience") return 1500.0;
   return guide == "path_database" ? 1000.0 : 0.0;

@@ -8,7 +8,7 @@
 
 namespace trellis {
 
-/// The work of making a guide's space before its first search, in validity checks.
+/// The work of making a guide's space before its first search, in units of search_cost.
 struct SetUp {
   double world = 0.0;  ///< for what depends on the world alone and is kept: the medial axis, cells
   double run = 0.0;    ///< in each run

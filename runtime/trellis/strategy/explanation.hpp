@@ -62,7 +62,7 @@ struct LevelExplanation {
   PlannerCommon common;  ///< the applicable shares, bound and budget
   /// Below the root: work that guided proposals and the levels below may spend before the bound applies.
   double grant = 0.0;
-  double set_up = 0.0;  ///< of the root: estimated work of setting up all guides, in validity checks
+  double set_up = 0.0;  ///< of the root: estimated work of setting up all guides, see RunCost
   std::optional<GuideExplanation> guide = {};
   std::vector<int> below = {};  ///< numbers of all levels below that the guide searches
 };

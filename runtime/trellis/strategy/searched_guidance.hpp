@@ -178,7 +178,7 @@ std::unique_ptr<SearchedGuidance> make_race(const RaceSettings& settings,
 std::unique_ptr<SearchedGuidance> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key);
 /// Makes the guidance of a level, with the levels below it.
 std::unique_ptr<SearchedGuidance> make_guidance(Run& run, Level& level, const GuideSpec& spec);
-/// Estimates the work of setting up guides and their own guides, in validity checks, before it is done.
+/// Estimates the work of setting up guides and their own guides, in units of search_cost, before it is done.
 /// \param scene  of the root
 /// \param queries  runs that share what is set up for the world
 double set_up_work(const GuideSpec& guides, const Scene& scene, double queries);

@@ -74,9 +74,8 @@ class KinematicTree {
   static constexpr std::size_t most_links = 1000;
 
   /// Checks that the joints make one tree of all links, and orders them from the base.
-  /// \throws TreeError that names the link or the joint: two parents, a cycle, several bases, a mimic chain, limits
-  /// that
-  ///     are not finite or in order, an axis that is not of norm 1
+  /// \throws TreeError that names the link or the joint: two parents, a cycle, several bases, a mimic chain,
+  ///     limits that are not finite or in order, an axis that is not of norm 1
   KinematicTree(std::string name, std::vector<Link> links, std::vector<Joint> joints);
 
   [[nodiscard]] const std::string& name() const { return name_; }
