@@ -123,7 +123,8 @@ class HasEfficiency final : public Matcher {
           fmt::format("{} {} nats above uniform, those of {} {}", samples, range(here), other, range(there));
     }
     if (verdict.holds) return verdict;
-    if (!here.blank.empty()) verdict.finding += ": so few samples do not show on which side they are";
+    if (!here.blank.empty())
+      verdict.finding += ": so few samples do not show on which side of uniform sampling they are";
     if (other.empty()) verdict.finding += mass_text(trial.scored_runs());
     point_at_worst(verdict, trial.scored_runs(), values_of(trial.scored_runs(), estimate_of(trial.scored_runs())),
                    "{} nats, as estimated from its own samples");
