@@ -78,8 +78,11 @@ RunCost Level::cost() const {
   const auto checks = static_cast<double>(instance_->checks.validity);
   const double proposals = static_cast<double>(record_.search.proposals.size()) - absorbed_;
   const auto alone = static_cast<double>(instance_->checks.alone);
-  const double guided = parent_ != nullptr || guidance_.guide() != nullptr ? search_cost::guided_proposal : 0.0;
-  double work = guided * proposals + instance_->checks.other + instance_->lift_work.total();
+  const bool guided = parent_ != nullptr || guidance_.guide() != nullptr;
+  double work = instance_->checks.other + instance_->lift_work.total();
+  if (guided) {
+    work += (in_space ? search_cost::spatial_guided_proposal : search_cost::planar_guided_proposal) * proposals;
+  }
   if (in_space) {
     work += checks + proposals;
   } else {
