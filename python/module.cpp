@@ -306,8 +306,10 @@ std::tuple<std::string, std::string, std::vector<std::string>> run(
                                                                                },
                                                                            .interrupted = Call::is_stopped});
         auto& [document, text, warnings] = answer;
-        document = trellis::report_json(experiment, result, request.script ? request.script->path : "");
-        text = trellis::report_text(experiment, result, width, trellis::ReportKind::overview);
+        const trellis::ExperimentSummary summary =
+            trellis::summarise(experiment, result, request.script ? request.script->path : "");
+        document = trellis::report_json(experiment, result, summary);
+        text = trellis::report_text(summary, width, trellis::ReportKind::overview);
         if (request.script) warnings = request.script->program.warnings;
         for (const std::string& sentence : trellis::input_warnings(experiment)) warnings.push_back(sentence);
         for (const std::string& sentence : trellis::unused_guides(experiment, result)) warnings.push_back(sentence);

@@ -628,8 +628,8 @@ TEST_CASE("the costs of an experiment are those of its document", "[report][cost
     run.levels.front().root_cross->tree.gain -= 0.1;
   }
   CostData read;
-  read.add(report_json(experiment, result, ""), "results.json");
-  const CostData made = cost_data(experiment, result);
+  read.add(report_json(experiment, result, summarise(experiment, result, "")), "results.json");
+  const CostData made = cost_data(experiment, result, summarise(experiment, result));
   CHECK(made.baseline == "rrt");
   REQUIRE(made.runs.size() == read.runs.size());
   for (std::size_t i = 0; i < made.runs.size(); ++i) {

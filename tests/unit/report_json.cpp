@@ -14,7 +14,7 @@ namespace {
 
 json parsed() {
   const auto [experiment, result] = fixture::passage();
-  return json::parse(report_json(experiment, result, "examples/nested.lua"));
+  return json::parse(report_json(experiment, result, summarise(experiment, result, "examples/nested.lua")));
 }
 
 void check_absent(const json& e) {
@@ -173,7 +173,7 @@ TEST_CASE("JSON summary", "[report][json]") {
 
   // Several problems: one more entry per strategy, over all of them.
   const auto [experiment, result] = fixture::queries();
-  const json many = json::parse(report_json(experiment, result, ""));
+  const json many = json::parse(report_json(experiment, result, summarise(experiment, result, "")));
   REQUIRE(many.at("summary").size() == 101);
   CHECK(many.at("summary").at(100).at("problem").is_null());
   CHECK(many.at("summary").at(100).at("runs") == 100);
@@ -185,7 +185,7 @@ TEST_CASE("JSON stays valid whatever the names and figures", "[report][json]") {
   experiment.measure.reset();
   result.runs[0].run.seconds = std::numeric_limits<double>::quiet_NaN();
   result.runs[0].run.length = std::numeric_limits<double>::infinity();
-  const json document = json::parse(report_json(experiment, result, "\xff\"\n.lua"));
+  const json document = json::parse(report_json(experiment, result, summarise(experiment, result, "\xff\"\n.lua")));
   CHECK(document.at("experiment").at("measure").is_null());
   CHECK(document.at("runs").at(0).at("time_s").is_null());
   CHECK(document.at("runs").at(0).at("length").is_null());
@@ -205,8 +205,8 @@ TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][
   resolves.invalid_path = 1;
   resolves.exhausted = true;
   result.runs[16].run.improvements = {{120, 0.5, 14.0}, {300, 0.75, 12.5}};
-  const json document = json::parse(report_json(experiment, result, ""));
-  const std::string printed = report_text(experiment, result, 100, ReportKind::overview);
+  const json document = json::parse(report_json(experiment, result, summarise(experiment, result, "")));
+  const std::string printed = report_text(summarise(experiment, result), 100, ReportKind::overview);
   const auto one_line = [](std::string text) {
     std::string out;
     for (const char c : text) {

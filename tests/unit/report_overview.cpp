@@ -25,7 +25,7 @@ using namespace trellis;
 namespace {
 
 std::string overview(const Experiment& experiment, const ExperimentResult& result, int width = 100) {
-  return report_text(experiment, result, width, ReportKind::overview);
+  return report_text(summarise(experiment, result), width, ReportKind::overview);
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -406,7 +406,7 @@ TEST_CASE("every word of the overview is explained", "[report]") {
 TEST_CASE("the report of levels says why a level was solved again", "[report]") {
   auto [experiment, result] = fixture::passage();
   const auto levels = [&, &experiment = experiment, &result = result] {
-    return report_text(experiment, result, 200, ReportKind::levels);
+    return report_text(summarise(experiment, result), 200, ReportKind::levels);
   };
   CHECK_FALSE(has(levels(), "solved again"));
   std::size_t runs = 0;

@@ -925,7 +925,7 @@ class Verbs {
            .interrupted = state_.interrupted},
           finished);
     }
-    say(summary_text(experiment, result, width()).substr(1));
+    say(summary_text(summarise(experiment, result), width()).substr(1));
     if (!finished.empty()) {
       say(fmt::format("interrupted; this is what was finished: {}", finished));
       state_.forget_interruption();

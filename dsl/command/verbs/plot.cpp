@@ -24,7 +24,7 @@
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/stored_summaries.hpp>
+#include <trellis/report/stored_summary.hpp>
 
 namespace trellis::command {
 
@@ -63,22 +63,33 @@ struct Options {
   [[nodiscard]] bool draws(Kind kind) const { return !figure || static_cast<Kind>(*figure) == kind; }
 };
 
+/// The runs of a strategy on a problem.
+struct Plotted {
+  std::string strategy;
+  bool ablation = false;
+  RunsSummary runs;
+};
+
 /// What the documents contain.
 struct Stored {
   CostData costs;
   /// By problem, in the documents' order; none that two documents have both.
-  std::map<std::string, std::vector<StoredSummary>> summaries;
+  std::map<std::string, std::vector<Plotted>> summaries;
   std::vector<std::string> repeated;  ///< "nested on cup", in two documents
 
   void add(const std::string& document, const std::string& file) {
     costs.add(document, file);
-    for (StoredSummary& one : read_stored_summaries(document, file)) {
-      if (one.problem.empty()) continue;
-      std::vector<StoredSummary>& there = summaries[one.problem];
-      if (std::any_of(there.begin(), there.end(), [&](const auto& s) { return s.strategy == one.strategy; })) {
-        repeated.push_back(fmt::format("{} on {}", one.strategy, one.problem));
-      } else {
-        there.push_back(std::move(one));
+    ExperimentSummary summary = read_summary(document, file);
+    for (ProblemSummary& problem : summary.problems) {
+      std::vector<Plotted>& there = summaries[problem.problem];
+      for (std::size_t s = 0; s < problem.strategies.size(); ++s) {
+        StrategySummary& one = problem.strategies[s];
+        if (std::any_of(there.begin(), there.end(),
+                        [&](const auto& other) { return other.strategy == one.strategy; })) {
+          repeated.push_back(fmt::format("{} on {}", one.strategy, problem.problem));
+        } else {
+          there.push_back({one.strategy, !summary.strategies[s].ablation.empty(), std::move(one.runs)});
+        }
       }
     }
   }
@@ -106,13 +117,13 @@ class Plotter {
   }
 
   /// Draws the figures of the measure.
-  void measures(const std::string& problem, const std::vector<StoredSummary>& summaries) {
+  void measures(const std::string& problem, const std::vector<Plotted>& summaries) {
     Directories strategies;
     std::vector<NamedSummary> named;
-    for (const StoredSummary& one : summaries) {
+    for (const Plotted& one : summaries) {
       const std::filesystem::path place = folder(problem) / strategies(one.strategy);
-      if (!one.ablation) named.push_back({one.strategy, &one.summary});
-      const StrategyFigures figures = strategy_figures(problem, one.strategy, one.summary);
+      if (!one.ablation) named.push_back({one.strategy, &one.runs});
+      const StrategyFigures figures = strategy_figures(problem, one.strategy, one.runs);
       if (options_.draws(Kind::waterfall)) draw(figures.waterfall, place / "waterfall");
       if (options_.draws(Kind::profile)) draw(figures.profile, place / "profile");
       if (options_.draws(Kind::strip)) draw(figures.strip, place / "strip");

@@ -26,6 +26,7 @@
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/command/store/resume.hpp>
 #include <dsl/command/verbs/learn.hpp>
+#include <dsl/command/verbs/report.hpp>
 #include <dsl/command/verbs/watch.hpp>
 #include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
@@ -48,8 +49,6 @@ namespace trellis::command {
 namespace {
 
 constexpr std::uint64_t most_jobs = 1024;
-constexpr int unbounded_width = 160;
-constexpr int overview_width = 100;
 
 struct Options {
   std::string script;
@@ -137,9 +136,9 @@ void narrow(Experiment& experiment, const Options& options) {
   if (options.only) experiment.seeds = {*options.only};
 }
 
-void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
-                       const SceneFigureOptions& options, bool quiet) {
-  write_figures(experiment, result, folder, options.jobs, options.style);
+void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
+                       const std::string& folder, const SceneFigureOptions& options, bool quiet) {
+  write_figures(summary, folder, options.jobs, options.style);
   write_motion_figures(experiment, result, folder, options.jobs, options.style);
   for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
     if (!quiet) print_message(note);
@@ -147,15 +146,15 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
 }
 
 /// Writes the output of --out for the finished problems, except the figures of each strategy.
-void write_out(const Experiment& experiment, const ExperimentResult& result, const Options& options,
-               const FigureStyle& style) {
+void write_out(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
+               const Options& options, const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
-  write_tables(options.style, options.out, report_markdown(experiment, result));
-  write_file((folder / "table.csv").string(), report_csv(experiment, result));
+  write_tables(options.style, options.out, report_markdown(experiment, result, summary));
+  write_file((folder / "table.csv").string(), report_csv(experiment, result, summary));
   write_file((folder / "runs.csv").string(), runs_csv(result));
-  write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
-  write_html(experiment, result, (folder / "report.html").string(), {.script = options.script, .progress = {}});
-  write_comparison_figures(experiment, result, (folder / "figures").string(), style);
+  write_file((folder / "results.json").string(), report_json(experiment, result, summary));
+  write_html(experiment, result, summary, (folder / "report.html").string());
+  write_comparison_figures(cost_data(experiment, result, summary), (folder / "figures").string(), style);
 }
 
 /// The options that change the runs or their scores.
@@ -187,7 +186,10 @@ std::string style_text(const Options& options) {
 Interrupted interrupted_after(std::size_t problems, const Experiment& experiment, const ExperimentResult& result,
                               const Options& options, const FigureStyle& style, std::size_t runs) {
   std::vector<std::string> finished;
-  if (problems > 0) write_out(part_of(experiment, 0, problems), result, options, style);
+  if (problems > 0) {
+    const Experiment part = part_of(experiment, 0, problems);
+    write_out(part, result, summarise(part, result, options.script), options, style);
+  }
   for (std::size_t k = 0; k < problems; ++k) finished.push_back(experiment.problems[k].name);
   return Interrupted(fmt::format("interrupted; '{}' holds {} of {} runs{}{}; the same command continues", options.out,
                                  runs,
@@ -217,8 +219,9 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
       progress.show("drawing " + name);
       const std::filesystem::path figures = std::filesystem::path(options.out) / "figures";
       resume.attempt([&] {
-        resume.draw(name, style_text(options), (figures / Directories()(name)).string(),
-                    [&] { write_all_figures(one, found, figures.string(), drawing, options.quiet); });
+        resume.draw(name, style_text(options), (figures / Directories()(name)).string(), [&] {
+          write_all_figures(one, found, summarise(one, found), figures.string(), drawing, options.quiet);
+        });
       });
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
@@ -231,11 +234,6 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
     }
     before += steps(one);
   }
-  progress.show("writing the tables and the page");
-  resume.attempt([&] {
-    write_out(experiment, result, options, drawing.style);
-    resume.finish(result);
-  });
   return result;
 }
 
@@ -274,10 +272,10 @@ void warn(const dsl::Program& program, const ExperimentResult& result, bool scor
 }
 
 /// Prints on stderr the warnings of a report that is not printed.
-void warn_of_guides(const Experiment& experiment, const ExperimentResult& result) {
-  for (const Problem& problem : experiment.problems) {
-    for (const std::string& sentence : guide_warnings(experiment, result, problem.name)) {
-      print_message(fmt::format("warning: {}: {}", problem.name, sentence));
+void warn_of_guides(const ExperimentSummary& summary) {
+  for (const ProblemSummary& problem : summary.problems) {
+    for (const std::string& sentence : problem.warnings) {
+      print_message(fmt::format("warning: {}: {}", problem.problem, sentence));
     }
   }
 }
@@ -361,17 +359,11 @@ class Writers {
   std::optional<Error> failure_;
 };
 
-void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind,
-                  std::optional<std::uint64_t> given) {
-  const int usual = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
-  const int width = given ? static_cast<int>(*given) : usual;
-  print_all(report_text(experiment, result, width, kind));
-}
-
-void write_page(const Experiment& experiment, const ExperimentResult& result, const Options& options) {
+void write_page(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
+                const Options& options) {
   Progress progress(!options.quiet);
   const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
-  write_html(experiment, result, options.html, {.script = options.script, .progress = show});
+  write_html(experiment, result, summary, options.html, {.progress = show});
 }
 
 int run(const Options& options) {
@@ -420,18 +412,26 @@ int run(const Options& options) {
   gltf.keep();
   if (resume) tell_unsolved(experiment, result);
 
+  const ExperimentSummary summary = summarise(experiment, result, options.script);
+  if (resume) {
+    Progress progress(!options.quiet);
+    progress.show("writing the tables and the page");
+    resume->attempt([&] {
+      write_out(experiment, result, summary, options, drawing.style);
+      resume->finish(result);
+    });
+  }
   Writers writers;
   writers.attempt(resume && resume->failure(), [&] { throw Error(*resume->failure()); });
-  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind, options.width); });
-  if (options.quiet) warn_of_guides(experiment, result);
-  writers.attempt(!options.json.empty(),
-                  [&] { write_file(options.json, report_json(experiment, result, options.script)); });
+  writers.attempt(!options.quiet, [&] { print_report(summary, kind, options.width); });
+  if (options.quiet) warn_of_guides(summary);
+  writers.attempt(!options.json.empty(), [&] { write_file(options.json, report_json(experiment, result, summary)); });
   writers.attempt(!options.csv.empty(), [&] { write_file(options.csv, runs_csv(result)); });
-  writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, options); });
+  writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, summary, options); });
   writers.attempt(!options.samples.empty(), [&] { write_samples(result, options.samples); });
   writers.attempt(!options.figures.empty(), [&] {
-    write_all_figures(experiment, result, options.figures, drawing, options.quiet);
-    write_comparison_figures(experiment, result, options.figures, drawing.style);
+    write_all_figures(experiment, result, summary, options.figures, drawing, options.quiet);
+    write_comparison_figures(cost_data(experiment, result, summary), options.figures, drawing.style);
   });
   writers.attempt(!options.gltf.empty(), [&] {
     for (const std::string& note : write_gltf(experiment, result, options.gltf)) {

@@ -593,9 +593,7 @@ void write_sweeps(const CostData& data, const std::string& baseline, const std::
 
 std::string sweep_name(std::size_t i) { return i == 0 ? "sweep" : fmt::format("sweep-{}", i + 1); }
 
-void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
-                              const FigureStyle& style) {
-  const CostData data = cost_data(experiment, result);
+void write_comparison_figures(const CostData& data, const std::string& folder, const FigureStyle& style) {
   write_curves(data, data.baseline, folder, style);
   const std::filesystem::path root(folder);
   Directories problems;

@@ -50,7 +50,6 @@ void write_cost_figures(const CostData& data, const std::string& baseline, const
                         const FigureStyle& style = {});
 /// Draws success and length of each problem, and ratios and sweeps of each problem and, with several problems, of all;
 /// then also FOLDER/correlation.
-void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
-                              const FigureStyle& style = {});
+void write_comparison_figures(const CostData& data, const std::string& folder, const FigureStyle& style = {});
 
 }  // namespace trellis

@@ -347,30 +347,28 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
   return figure;
 }
 
-void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                   unsigned jobs, const FigureStyle& style) {
+void write_figures(const ExperimentSummary& experiment, const std::string& directory, unsigned jobs,
+                   const FigureStyle& style) {
   struct FigureJob {
-    std::string problem;
-    std::string strategy;
+    const ProblemSummary* problem;
+    const StrategySummary* strategy;
     std::filesystem::path place;
-    RunsSummary summary = {};
   };
   std::vector<FigureJob> tasks;
-  tasks.reserve(experiment.problems.size() * experiment.strategies.size());
   std::vector<std::filesystem::path> places;
   Directories problems;
-  for (const auto& problem : experiment.problems) {
+  for (const ProblemSummary& problem : experiment.problems) {
     Directories strategies;
-    places.push_back(std::filesystem::path(directory) / problems(problem.name));
-    for (const auto& entry : experiment.strategies) {
+    places.push_back(std::filesystem::path(directory) / problems(problem.problem));
+    for (const StrategySummary& one : problem.strategies) {
       // Assigns names first, so that an omitted picture changes no other name.
-      tasks.push_back({problem.name, entry.first, places.back() / strategies(entry.first)});
+      tasks.push_back({&problem, &one, places.back() / strategies(one.strategy)});
     }
   }
   in_parallel(tasks.size(), jobs, [&](std::size_t i) {
-    FigureJob& task = tasks[i];
-    task.summary = summarise(result, task.problem, task.strategy);
-    const StrategyFigures figures = strategy_figures(task.problem, task.strategy, task.summary);
+    const FigureJob& task = tasks[i];
+    const StrategyFigures figures =
+        strategy_figures(task.problem->problem, task.strategy->strategy, task.strategy->runs);
     if (!figures.waterfall && !figures.profile && !figures.plane) return;
     make_directory(task.place.string());
     if (figures.waterfall) write_figure(*figures.waterfall, style, (task.place / "waterfall").string());
@@ -378,14 +376,14 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
     if (figures.strip) write_figure(*figures.strip, style, (task.place / "strip").string());
     if (figures.plane) write_figure(*figures.plane, style, (task.place / "plane").string());
   });
-  const std::size_t strategies = experiment.strategies.size();
   in_parallel(places.size(), jobs, [&](std::size_t p) {
+    const ProblemSummary& problem = experiment.problems[p];
     std::vector<NamedSummary> named;
-    for (std::size_t s = 0; s < strategies; ++s) {
-      const FigureJob& task = tasks[p * strategies + s];
-      if (!is_ablation(experiment, task.strategy)) named.push_back({task.strategy, &task.summary});
+    for (std::size_t s = 0; s < problem.strategies.size(); ++s) {
+      const StrategySummary& one = problem.strategies[s];
+      if (experiment.strategies[s].ablation.empty()) named.push_back({one.strategy, &one.runs});
     }
-    if (const auto figure = waterfalls_figure(experiment.problems[p].name, named)) {
+    if (const auto figure = waterfalls_figure(problem.problem, named)) {
       write_figure(*figure, style, (places[p] / "waterfalls").string());
     }
   });

@@ -10,7 +10,7 @@
 #include <trellis/draw/strips.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/figures/pictures.hpp>
-#include <trellis/report/summary.hpp>
+#include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {
 
@@ -36,8 +36,8 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
 /// .png and .pdf, for every scored strategy; `jobs` of them concurrently. DIR/<problem>/waterfalls.* has those of all
 /// strategies with guides on one scale. Omits empty pictures.
 /// \throws Error where it cannot write a file.
-void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                   unsigned jobs = 1, const FigureStyle& style = {});
+void write_figures(const ExperimentSummary& experiment, const std::string& directory, unsigned jobs = 1,
+                   const FigureStyle& style = {});
 
 struct SceneFigureOptions {
   draw::RoleColours colours = draw::RoleColours::safe;

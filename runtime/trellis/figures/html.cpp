@@ -26,6 +26,7 @@
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
+#include <trellis/report/stored_summary.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
@@ -217,15 +218,15 @@ std::string nats_notes(const HtmlContent& content, bool pooled) {
       "side of uniform sampling they are; scale: 0 perfect guidance, 1 uniform sampling{}</p>\n",
       pooled ? "; all seeds: their samples together, on the paths of a seed left out" : "");
   std::string items;
-  for (std::size_t p = 0; p < content.problems.size(); ++p) {
-    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
-      for (const LevelSummary& level : content.cells[p][s].summary.levels) {
+  for (const ProblemSummary& problem : content.summary.problems) {
+    for (const StrategySummary& strategy : problem.strategies) {
+      for (const LevelSummary& level : strategy.runs.levels) {
         for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) {
           const Headline together = headline(level, role);
           const AboveUniform single = over_runs(level, role).above;
           if (together.seeds == 0 || !disagree(together.above, single)) continue;
-          items += fmt::format("<li>{}, {}, {}, {}: all seeds {}, single runs {}</li>\n", escaped(content.problems[p]),
-                               escaped(content.strategies[s].name), escaped(level.name),
+          items += fmt::format("<li>{}, {}, {}, {}: all seeds {}, single runs {}</li>\n", escaped(problem.problem),
+                               escaped(strategy.strategy), escaped(level.name),
                                role == SampleRole::tree ? "tree" : "expansion",
                                ends_text(together.above.lo, together.above.hi), ends_text(single.lo, single.hi));
         }
@@ -241,18 +242,19 @@ std::string nats_notes(const HtmlContent& content, bool pooled) {
 
 std::string summary_table(const HtmlContent& content) {
   SummaryColumns shown;
-  shown.measured = content.measured;
-  for (const auto& of_problem : content.cells) {
-    for (const HtmlCell& one : of_problem) {
-      const LevelSummary& root = root_of(one.summary);
+  const ExperimentSummary& experiment = content.summary;
+  shown.measured = experiment.measured;
+  for (const ProblemSummary& problem : experiment.problems) {
+    for (const StrategySummary& one : problem.strategies) {
+      const LevelSummary& root = root_of(one.runs);
       shown.pooled = shown.pooled || headline(root, SampleRole::tree).seeds > 0;
       shown.crossed = shown.crossed || root.root_cross.tree.scored > 0;
-      shown.anytime = shown.anytime || !std::isnan(one.summary.improvement_checks);
-      shown.set_up = shown.set_up || one.summary.set_up_share > least_set_up_share;
+      shown.anytime = shown.anytime || !std::isnan(one.runs.improvement_checks);
+      shown.set_up = shown.set_up || one.runs.set_up_share > least_set_up_share;
     }
   }
   std::vector<Columns> columns = {{"", {"solved"}}};
-  if (content.measured) {
+  if (experiment.measured) {
     std::vector<std::string> paths = {shown.pooled ? "all seeds" : "headline", "scale", "own path"};
     if (shown.crossed) paths.emplace_back("other seeds’");
     columns.push_back({"above uniform, tree", paths});
@@ -272,36 +274,43 @@ std::string summary_table(const HtmlContent& content) {
   const auto group = [&](const std::string& name) {
     body += fmt::format("<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{}</th></tr>\n", width, name);
   };
-  if (content.problems.size() > 1) {
+  if (experiment.together) {
     group("all scenes together");
-    for (std::size_t s = 0; s < content.together.size(); ++s) {
-      const std::string& name = content.strategies[s].name;
-      body += summary_row(content.together[s], swatch(content.costs, name) + escaped(name), "", shown, marks);
+    for (const StrategySummary& one : experiment.together->strategies) {
+      body += summary_row(one.runs, swatch(content.costs, one.strategy) + escaped(one.strategy), "", shown, marks);
     }
   }
-  for (std::size_t p = 0; p < content.problems.size(); ++p) {
-    group(escaped(content.problems[p]));
-    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    group(escaped(experiment.problems[p].problem));
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
       const std::string place = fmt::format("{}-{}", p, s);
-      const std::string& name = content.strategies[s].name;
+      const std::string& name = experiment.strategies[s].name;
       body += summary_row(
-          content.cells[p][s].summary,
+          experiment.problems[p].strategies[s].runs,
           swatch(content.costs, name) +
               fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place, escaped(name)),
           fmt::format(R"( data-cell="{}")", place), shown, marks);
     }
   }
-  const bool tall = content.problems.size() * content.strategies.size() > 24;
+  const bool tall = experiment.problems.size() * experiment.strategies.size() > 24;
   return fmt::format("<div class=\"scroll{}\"><table id=\"summary\">\n{}<tbody>\n{}</tbody></table></div>\n{}{}",
                      tall ? " tall" : "", heading("method", columns), body,
-                     content.measured ? nats_notes(content, shown.pooled) : "", marks.text());
+                     experiment.measured ? nats_notes(content, shown.pooled) : "", marks.text());
 }
 
-/// Returns the warnings of the printed report: guides that perform worse than no guide, and why runs found no path.
-std::string warnings_html(const HtmlContent& content) {
+/// Returns the warnings of the printed report: why runs found no path, and guides that perform worse than no guide.
+std::string warnings_html(const ExperimentSummary& experiment) {
   std::string items;
-  for (const auto& [problem, text] : content.warnings) {
-    items += fmt::format("<li>{}{}</li>\n", content.problems.size() > 1 ? escaped(problem) + ": " : "", escaped(text));
+  for (const ProblemSummary& problem : experiment.problems) {
+    const auto add = [&](const std::string& text) {
+      const bool several = experiment.problems.size() > 1;
+      items += fmt::format("<li>{}{}</li>\n", several ? escaped(problem.problem) + ": " : "", escaped(text));
+    };
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      const StrategySummary& one = problem.strategies[s];
+      if (experiment.strategies[s].ablation.empty() && !one.unsolved.empty()) add(one.strategy + ": " + one.unsolved);
+    }
+    for (const std::string& warning : problem.warnings) add("warning: " + warning);
   }
   return items.empty() ? "" : "<ul id=\"warnings\" class=\"note\">\n" + items + "</ul>\n";
 }
@@ -316,8 +325,8 @@ std::string resolves_html(const RunsSummary& summary) {
   return out;
 }
 
-std::string level_table(const HtmlCell& of, bool measured) {
-  const RunsSummary& summary = of.summary;
+std::string level_table(const StrategySummary& of, bool measured) {
+  const RunsSummary& summary = of.runs;
   const std::vector<Verdict>& found = of.verdicts;
   bool crossed = false;
   bool pooled = false;
@@ -534,15 +543,15 @@ Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds
 }
 
 /// The tables of levels and the figures, of each problem and strategy.
-std::string worth_scripts(const HtmlContent& content) {
+std::string worth_scripts(const ExperimentSummary& experiment) {
   std::string out;
-  for (std::size_t p = 0; p < content.problems.size(); ++p) {
-    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
-      const HtmlCell& cell = content.cells[p][s];
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      const StrategySummary& one = experiment.problems[p].strategies[s];
       const std::string place = fmt::format("{}-{}", p, s);
-      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(cell, content.measured));
-      if (!content.measured) continue;
-      const auto figures = strategy_figures(content.problems[p], content.strategies[s].name, cell.summary);
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(one, experiment.measured));
+      if (!experiment.measured) continue;
+      const auto figures = strategy_figures(experiment.problems[p].problem, one.strategy, one.runs);
       Json drawn = Json::array();
       if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
       if (figures.plane) drawn.push_back(draw::plot(*figures.plane).markup("plane"));
@@ -558,7 +567,8 @@ std::string worth_scripts(const HtmlContent& content) {
 std::string comparison_scripts(const HtmlContent& content) {
   const CostData& data = content.costs;
   std::string out;
-  for (std::size_t p = 0; p < content.problems.size(); ++p) {
+  for (std::size_t p = 0; p < content.summary.problems.size(); ++p) {
+    const ProblemSummary& problem = content.summary.problems[p];
     Json drawn = Json::array();
     const auto add = [&](const auto& figure, const char* id) {
       if (figure) drawn.push_back(draw::plot(*figure).markup(id));
@@ -572,11 +582,11 @@ std::string comparison_scripts(const HtmlContent& content) {
       drawn.push_back(draw::plot(sweeps[i]).markup(sweep_name(i)));
     }
     std::vector<NamedSummary> named;
-    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
-      const HtmlStrategy& strategy = content.strategies[s];
-      if (!strategy.ablation) named.push_back({strategy.name, &content.cells[p][s].summary});
+    for (std::size_t s = 0; s < problem.strategies.size(); ++s) {
+      const StrategySummary& one = problem.strategies[s];
+      if (content.summary.strategies[s].ablation.empty()) named.push_back({one.strategy, &one.runs});
     }
-    if (content.measured) add(waterfalls_figure(content.problems[p], named), "waterfalls");
+    if (content.summary.measured) add(waterfalls_figure(problem.problem, named), "waterfalls");
     if (!drawn.empty()) out += script(fmt::format("comparison-{}", p), script_json(drawn));
   }
   return out;
@@ -586,15 +596,16 @@ std::string comparison_scripts(const HtmlContent& content) {
 std::string data_scripts(const HtmlContent& content, Json problems, const HeldRuns& held, const RobotTable& robots,
                          const WorldTable& worlds) {
   Json strategies = Json::array();
-  for (const HtmlStrategy& one : content.strategies) strategies.push_back({{"name", one.name}, {"text", one.text}});
+  for (const ExperimentSummary::Strategy& one : content.summary.strategies)
+    strategies.push_back({{"name", one.name}, {"text", one.text}});
   Json cells = Json::array();
-  for (const auto& of_problem : content.cells) {
+  for (const auto& of_problem : content.runs) {
     Json row = Json::array();
-    for (const HtmlCell& cell : of_problem) {
+    for (const HtmlOutcomes& outcomes : of_problem) {
       Json runs = Json::array();
-      for (const std::uint64_t seed : content.seeds) {
-        const auto at = cell.runs.find(seed);
-        if (at == cell.runs.end()) {
+      for (const std::uint64_t seed : content.summary.seeds) {
+        const auto at = outcomes.find(seed);
+        if (at == outcomes.end()) {
           runs.push_back({{"id", -1}, {"text", "no such run"}});
           continue;
         }
@@ -611,7 +622,7 @@ std::string data_scripts(const HtmlContent& content, Json problems, const HeldRu
   for (int c = 0; c < 5; ++c) classes.push_back(to_string(static_cast<NodeClass>(c)));
   // Seeds as text: a number in JavaScript has 53 bits.
   Json seeds = Json::array();
-  for (const std::uint64_t seed : content.seeds) seeds.push_back(std::to_string(seed));
+  for (const std::uint64_t seed : content.summary.seeds) seeds.push_back(std::to_string(seed));
   Json data = {{"problems", std::move(problems)}, {"strategies", std::move(strategies)}, {"seeds", std::move(seeds)},
                {"robots", robots.list()},         {"classes", std::move(classes)},       {"cells", std::move(cells)}};
   if (!worlds.list().empty()) data["worlds"] = worlds.list();
@@ -627,41 +638,34 @@ HtmlRunFacts facts_of(const RunResult& run) {
           .seconds = run.run.seconds};
 }
 
-HtmlContent content_of(const Experiment& experiment, const ExperimentResult& result, const std::string& script) {
-  HtmlContent content;
-  content.script = script;
-  content.measured = experiment.measure.has_value();
-  content.seeds = experiment.seeds;
-  content.about = html_about(experiment.problems.size(), experiment.strategies.size(), experiment.seeds,
-                             content.measured ? target_text(experiment.measure->target) : "", version());
-  content.costs = cost_data(experiment, result);
-  const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
-  for (const auto& [name, spec] : experiment.strategies) {
-    content.strategies.push_back({name, spec.text(), is_ablation(experiment, name)});
-    if (experiment.problems.size() > 1) content.together.push_back(summarise(result, "", name));
-  }
+HtmlContent content_of(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary) {
+  HtmlContent content{summary, {}, cost_data(experiment, result, summary)};
   for (const Problem& problem : experiment.problems) {
-    content.problems.push_back(problem.name);
-    const std::vector<Comparison> comparisons = compare(experiment, result, problem.name);
-    std::vector<HtmlCell> row;
-    for (const auto& [name, spec] : experiment.strategies) {
-      const auto runs = select_runs(result, problem.name, name);
-      HtmlCell cell{summarise(result, problem.name, name), {}, {}, {}};
-      cell.verdicts = level_verdicts(found, problem.name, name, cell.summary);
-      cell.parts = part_verdicts(found, problem.name, name, cell.summary);
-      for (const RunResult* run : runs) {
-        cell.runs.emplace(run->seed, HtmlOutcome{html_outcome(facts_of(*run)), run->run.solved, run});
+    std::vector<HtmlOutcomes>& row = content.runs.emplace_back();
+    for (const auto& entry : experiment.strategies) {
+      HtmlOutcomes& outcomes = row.emplace_back();
+      for (const RunResult* run : select_runs(result, problem.name, entry.first)) {
+        outcomes.emplace(run->seed, HtmlOutcome{html_outcome(facts_of(*run)), run->run.solved, run});
       }
-      row.push_back(std::move(cell));
-      const std::string why = is_ablation(experiment, name) ? "" : unsolved_text(runs, spec);
-      if (!why.empty()) content.warnings.emplace_back(problem.name, fmt::format("{}: {}", name, why));
-    }
-    content.cells.push_back(std::move(row));
-    for (const std::string& warning : guide_warnings(experiment, result, problem.name, comparisons)) {
-      content.warnings.emplace_back(problem.name, "warning: " + warning);
     }
   }
   return content;
+}
+
+/// The sentences at the head of the page.
+std::string about_text(const ExperimentSummary& experiment) {
+  std::string text = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "scene"),
+                                 plural(experiment.strategies.size(), "method"), seeds_text(experiment.seeds));
+  if (experiment.measured) {
+    text += fmt::format(
+        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
+        "Target: {}. ",
+        experiment.target);
+  }
+  text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
+                                        "Medians of methods: an unsolved run counts as infinite. "
+                                      : "";
+  return text + "Trellis " + experiment.version + '.';
 }
 
 /// Replaces the page's @PLACES@. Does not expand the inserted text again.
@@ -689,39 +693,25 @@ struct Tables {
   std::string worth;
 };
 Tables tables_of(const HtmlContent& content) {
-  return {summary_table(content) + warnings_html(content), worth_scripts(content) + comparison_scripts(content)};
+  return {summary_table(content) + warnings_html(content.summary),
+          worth_scripts(content.summary) + comparison_scripts(content)};
 }
 
 /// \param in_space  whether a problem is one of space: the page contains the viewer of space
 std::string page_of(const HtmlContent& content, const Tables& tables, const std::string& notes, const std::string& data,
                     bool in_space = false) {
   const HtmlParts& parts = html_parts();
-  return filled(parts.page, {{"TITLE", escaped(content.script.empty() ? "Trellis" : "Trellis: " + content.script)},
-                             {"ABOUT", escaped(content.about)},
-                             {"STYLE", std::string(parts.style)},
-                             {"SUMMARY", tables.summary},
-                             {"NOTES", notes},
-                             {"DATA", tables.worth + data},
-                             {"SCRIPT", (in_space ? std::string(parts.space) : "") + std::string(parts.script)}});
+  return filled(parts.page,
+                {{"TITLE", escaped(content.summary.script.empty() ? "Trellis" : "Trellis: " + content.summary.script)},
+                 {"ABOUT", escaped(about_text(content.summary))},
+                 {"STYLE", std::string(parts.style)},
+                 {"SUMMARY", tables.summary},
+                 {"NOTES", notes},
+                 {"DATA", tables.worth + data},
+                 {"SCRIPT", (in_space ? std::string(parts.space) : "") + std::string(parts.script)}});
 }
 
 }  // namespace
-
-std::string html_about(std::size_t problems, std::size_t strategies, const std::vector<std::uint64_t>& seeds,
-                       const std::string& target, const std::string& version) {
-  std::string text =
-      fmt::format("{} × {} × {}. ", plural(problems, "scene"), plural(strategies, "method"), seeds_text(seeds));
-  if (!target.empty()) {
-    text += fmt::format(
-        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
-        "Target: {}. ",
-        target);
-  }
-  text += seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
-                             "Medians of methods: an unsolved run counts as infinite. "
-                           : "";
-  return text + "Trellis " + version + '.';
-}
 
 std::string html_outcome(const HtmlRunFacts& facts) {
   std::string text = facts.solved ? fmt::format("solved, path of {} m", fixed(facts.length, 2))
@@ -730,12 +720,13 @@ std::string html_outcome(const HtmlRunFacts& facts) {
   return text + fmt::format(" · {} validity checks · {} ms", facts.checks, milliseconds(facts.seconds));
 }
 
-std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options) {
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
+                        const HtmlOptions& options) {
   // A page opens within a second up to 5 MB. The runs get the rest of that size.
   constexpr std::size_t most_of_page = 5'000'000;
   constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
   const HtmlParts& parts = html_parts();
-  const HtmlContent content = content_of(experiment, result, options.script);
+  const HtmlContent content = content_of(experiment, result, summary);
   const Tables tables = tables_of(content);
   RobotTable robots;
   WorldTable worlds;
@@ -755,9 +746,14 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
 }
 
 std::string stored_report_html(const std::string& document, const std::string& file) {
-  const HtmlContent content = stored_html_content(document, file);
+  const ExperimentSummary summary = read_summary(document, file);
+  if (summary.problems.empty()) {
+    throw Error(
+        fmt::format("{}: its runs have no summary, as those of a sweep, so there is no page to make of them", file));
+  }
+  const HtmlContent content = stored_html_content(summary, document, file);
   Json problems = Json::array();
-  for (const std::string& name : content.problems) problems.push_back({{"name", name}, {"bounds", nullptr}});
+  for (const ProblemSummary& one : summary.problems) problems.push_back({{"name", one.problem}, {"bounds", nullptr}});
   const std::string note = fmt::format(
       "This page is made of {}, which has no samples: it replays no run. `trellis run --html` writes a page that does.",
       file);
@@ -765,9 +761,9 @@ std::string stored_report_html(const std::string& document, const std::string& f
                  data_scripts(content, std::move(problems), {}, {}, {}));
 }
 
-void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
-                const HtmlOptions& options) {
-  write_file(path, report_html(experiment, result, options));
+void write_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
+                const std::string& path, const HtmlOptions& options) {
+  write_file(path, report_html(experiment, result, summary, options));
 }
 
 }  // namespace trellis

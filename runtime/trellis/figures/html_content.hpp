@@ -5,21 +5,13 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/report/costs.hpp>
-#include <trellis/report/summary.hpp>
-#include <trellis/report/verdict.hpp>
+#include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {
-
-struct HtmlStrategy {
-  std::string name;
-  std::string text;  ///< in the syntax of a script
-  bool ablation = false;
-};
 
 /// The end of one run, in words.
 struct HtmlOutcome {
@@ -28,31 +20,14 @@ struct HtmlOutcome {
   const RunResult* run = nullptr;  ///< nullptr where its samples are not stored
 };
 
-/// One problem and strategy.
-struct HtmlCell {
-  RunsSummary summary;
-  std::vector<Verdict> verdicts;    ///< on its levels; empty for an ablation
-  std::vector<GuideVerdict> parts;  ///< on its guides without a level
-  std::map<std::uint64_t, HtmlOutcome> runs;
-};
+/// The ends of the runs of one problem and strategy, by seed.
+using HtmlOutcomes = std::map<std::uint64_t, HtmlOutcome>;
 
 struct HtmlContent {
-  std::string script;  ///< the path as given on the command line, "" for none
-  std::string about;
-  bool measured = false;
-  std::vector<std::string> problems;
-  std::vector<HtmlStrategy> strategies;
-  std::vector<std::uint64_t> seeds;
-  std::vector<std::vector<HtmlCell>> cells;                   ///< by problem and strategy
-  std::vector<RunsSummary> together;                          ///< by strategy; none for a single problem
-  std::vector<std::pair<std::string, std::string>> warnings;  ///< a problem, and a sentence about it
-  CostData costs;                                             ///< without ablations
+  const ExperimentSummary& summary;
+  std::vector<std::vector<HtmlOutcomes>> runs;  ///< by problem and strategy
+  CostData costs;                               ///< without ablations
 };
-
-/// The sentences at the head of the page.
-/// \param target  of the measure, "" where nothing was measured
-std::string html_about(std::size_t problems, std::size_t strategies, const std::vector<std::uint64_t>& seeds,
-                       const std::string& target, const std::string& version);
 
 /// "solved, path of 14.42 m · 433 validity checks · 0.4 ms".
 struct HtmlRunFacts {
@@ -66,8 +41,9 @@ struct HtmlRunFacts {
 std::string html_outcome(const HtmlRunFacts& facts);
 
 /// Reads what a document of `trellis run --json` stores of a page: all but the samples.
-/// \param file  for messages
-/// \throws Error that names the file, for another kind of document and for one without summaries, as of a sweep.
-HtmlContent stored_html_content(const std::string& document, const std::string& file);
+/// \param summary  of the document
+/// \param file     for messages
+/// \throws Error that names the file, for another kind of document.
+HtmlContent stored_html_content(const ExperimentSummary& summary, const std::string& document, const std::string& file);
 
 }  // namespace trellis

@@ -14,7 +14,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/measure/statistics.hpp>
-#include <trellis/report/summary.hpp>
 
 namespace trellis {
 
@@ -279,7 +278,7 @@ CostData CostData::on(std::size_t problem) const {
   return one;
 }
 
-CostData cost_data(const Experiment& experiment, const ExperimentResult& result) {
+CostData cost_data(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary) {
   CostData data;
   data.baseline = baseline_of(experiment);
   for (const Problem& problem : experiment.problems) {
@@ -304,10 +303,11 @@ CostData cost_data(const Experiment& experiment, const ExperimentResult& result)
   }
   if (!experiment.measure) return data;
   for (std::size_t p = 0; p < data.problems.size(); ++p) {
-    for (std::size_t s = 0; s < data.strategies.size(); ++s) {
-      const RunsSummary summary = summarise(select_runs(result, data.problems[p].name, data.strategies[s].name));
-      if (summary.levels.empty()) continue;
-      const LevelSummary& root = summary.levels.front();
+    for (const StrategySummary& one : summary.problems[p].strategies) {
+      const auto strategy = index_of(data.strategies, one.strategy);
+      if (!strategy || one.runs.levels.empty()) continue;
+      const std::size_t s = *strategy;
+      const LevelSummary& root = one.runs.levels.front();
       for (const bool cross : {false, true}) {
         const FigurePair& pair = cross ? root.root_cross : root.root;
         for (const Figure* figure : {&pair.tree, &pair.expansion}) {

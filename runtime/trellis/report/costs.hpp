@@ -10,6 +10,7 @@
 
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/censored_cost.hpp>
+#include <trellis/report/experiment_summary.hpp>
 #include <trellis/strategy/executor.hpp>
 
 /// Compares the costs of strategies: validity checks of all levels until the first path, and CPU time, paired by seed,
@@ -71,7 +72,7 @@ struct CostData {
 };
 
 /// Returns the costs of an experiment's runs, without ablations.
-CostData cost_data(const Experiment& experiment, const ExperimentResult& result);
+CostData cost_data(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary);
 
 /// A cost on the axis of a figure.
 enum class CostKind : std::uint8_t { checks, seconds };

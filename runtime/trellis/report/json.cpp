@@ -11,12 +11,11 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/instance/path_fault.hpp>
+#include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/measures.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
-#include <trellis/report/summary.hpp>
-#include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
 
@@ -31,6 +30,8 @@ Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 /// As number(), but distinguishes an infinite value from a missing one.
 Json number_or_inf(double x) { return std::isinf(x) ? Json(x > 0 ? "inf" : "-inf") : number(x); }
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json array(View q) {
   Json out = Json::array();
@@ -346,12 +347,9 @@ Json run_json(const RunResult& run) {
 }
 
 Json interval_json(const Interval& interval) {
-  return {{"value", number_or_inf(interval.value)},
-          {"lo", number(interval.lo)},
-          {"hi", number(interval.hi)},
-          {"n", interval.n},
-          {"infinite", interval.infinite},
-          {"statistic", interval.infinite > 0 ? "median" : "mean"}};
+  return {{"value", number_or_inf(interval.value)}, {"lo", number_or_inf(interval.lo)},
+          {"hi", number_or_inf(interval.hi)},       {"n", interval.n},
+          {"infinite", interval.infinite},          {"statistic", interval.infinite > 0 ? "median" : "mean"}};
 }
 
 Json figure_json(const Figure& figure) {
@@ -393,6 +391,7 @@ Json measure_json(const Figure& f) {
               {"n_median", number(f.in_target)},
               {"runs", f.scored},
               {"estimators", f.estimators},
+              {"reasons", f.reasons},
               {"check", std::move(check)},
               {"flags", std::move(flags)}});
   return out;
@@ -439,7 +438,8 @@ Json metrics_json(const MetricsSummary& m) {
   for (std::size_t c = 0; c < m.classes.size(); ++c) {
     nodes[std::string(to_string(static_cast<NodeClass>(c)))] = interval_json(m.classes[c]);
   }
-  return {{"node_shares", std::move(nodes)},
+  return {{"runs", m.measured},
+          {"node_shares", std::move(nodes)},
           {"components", interval_json(m.components)},
           {"coverage", interval_json(m.coverage)},
           {"connectivity", interval_json(m.connectivity)},
@@ -530,14 +530,31 @@ Json beside_json(const BesideSummary& beside) {
           {"no_guided_proposal", beside.no_guided}};
 }
 
-/// \param found     the verdicts on its levels; empty for an ablation
-/// \param parts     those on its guides without a level
-/// \param unsolved  why runs found no path
-Json summary_json(const RunsSummary& summary, const Json& problem, const std::string& strategy,
-                  const std::vector<Verdict>& found, const std::vector<GuideVerdict>& parts,
-                  const std::string& unsolved) {
+Json parts_json(const std::vector<PartSummary>& parts) {
+  Json out = Json::array();
+  for (const PartSummary& part : parts) out.push_back({{"name", part.name}, {"proposal_share", number(part.share)}});
+  return out;
+}
+
+Json rejections_json(const RejectionsSummary& rejections) {
+  Json by = Json::array();
+  for (const auto& [obstacle, count] : rejections.by) by.push_back({{"obstacle", obstacle}, {"proposals", count}});
+  return {{"proposals", rejections.proposals},
+          {"rejected", rejections.rejected},
+          {"examined", rejections.examined},
+          {"by", std::move(by)}};
+}
+
+Json certified_json(const CertifiedSummary& certified) {
+  return {{"paths", certified.paths},
+          {"clearance", number_or_inf(certified.clearance)},
+          {"seed", certified.paths > 0 ? Json(certified.seed) : Json(nullptr)}};
+}
+
+Json summary_json(const StrategySummary& of, const Json& problem) {
+  const RunsSummary& summary = of.runs;
   Json guides = Json::array();
-  for (const GuideVerdict& part : parts) {
+  for (const GuideVerdict& part : of.parts) {
     guides.push_back({{"guide", part.guide}, {"key", part.key}, {"verdict", verdict_json(part.verdict)}});
   }
   Json levels = Json::array();
@@ -552,7 +569,7 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"planner", level.planner},
                       {"runs", level.runs},
                       {"solved", level.solved},
-                      {"verdict", i < found.size() ? verdict_json(found[i]) : Json(nullptr)},
+                      {"verdict", i < of.verdicts.size() ? verdict_json(of.verdicts[i]) : Json(nullptr)},
                       {"resolves_median", number(level.resolves)},
                       {"resolved_for", resolves_json(level.resolved_for.total)},
                       {"exhausted_runs", level.resolved_for.exhausted},
@@ -568,7 +585,9 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"efficiency", pair_json(level.own)},
                       {"root_efficiency", pair_json(level.root)},
                       {"measure", roles_json(level.own, level.own_cross)},
-                      {"metrics", metrics_json(level.metrics)}});
+                      {"metrics", metrics_json(level.metrics)},
+                      {"guides_without_level", parts_json(level.parts)},
+                      {"rejections", rejections_json(level.rejections)}});
     Json& measure = levels.back()["measure"];
     measure["root"] = roles_json(level.root, level.root_cross);
     for (const auto& [name, pair] : {std::pair{"oracle", &level.oracle}, std::pair{"uniform", &level.uniform}}) {
@@ -585,10 +604,10 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
   }
   return {
       {"problem", problem},
-      {"strategy", strategy},
+      {"strategy", of.strategy},
       {"runs", summary.runs},
       {"solved", summary.solved},
-      {"unsolved_reasons", unsolved.empty() ? Json(nullptr) : Json(unsolved)},
+      {"unsolved_reasons", text_or_null(of.unsolved)},
       {"success",
        {{"value", number(summary.success.value)},
         {"lo", number(summary.success.lo)},
@@ -608,10 +627,27 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
       {"set_up_share", number(summary.set_up_share)},
       {"length", interval_json(summary.length)},
       {"bounded_loss", beside_json(summary.beside)},
+      {"certified", certified_json(summary.certified)},
       {"levels", std::move(levels)},
       {"guides_without_level", std::move(guides)},
       {"waterfall",
        {{"tree", waterfall_json(summary.tree_waterfall)}, {"expansion", waterfall_json(summary.expansion_waterfall)}}}};
+}
+
+/// The facts beside the summaries that printed reports state.
+Json report_facts_json(const ExperimentSummary& summary) {
+  Json strategies = Json::array();
+  for (const ExperimentSummary::Strategy& one : summary.strategies) {
+    strategies.push_back({{"name", one.name}, {"guided", one.guided}, {"shares", one.shares}});
+  }
+  Json obstructions = Json::array();
+  for (const ProblemSummary& one : summary.problems) {
+    if (!one.obstruction.empty()) obstructions.push_back({{"problem", one.problem}, {"text", one.obstruction}});
+  }
+  return {{"baseline", text_or_null(summary.baseline)}, {"strategies", std::move(strategies)},
+          {"world_dimension", summary.spatial ? 3 : 2}, {"estimators", summary.estimators},
+          {"tubes", text_or_null(summary.tubes)},       {"omitted", text_or_null(summary.omitted)},
+          {"obstructions", std::move(obstructions)}};
 }
 
 Json experiment_json(const Experiment& experiment) {
@@ -697,40 +733,35 @@ std::string lines(const std::vector<Json>& entries) {
 
 }  // namespace
 
-std::string report_json(const Experiment& experiment, const ExperimentResult& result, const std::string& script) {
+std::string report_json(const Experiment& experiment, const ExperimentResult& result,
+                        const ExperimentSummary& summary) {
   std::vector<Json> runs;
   runs.reserve(result.runs.size());
   for (const auto& run : result.runs) runs.push_back(run_json(run));
 
-  std::vector<Json> summary;
+  std::vector<Json> summaries;
   std::vector<Json> comparisons;
   std::vector<Json> warnings;
-  const auto add = [&](const std::string& problem, const std::vector<GuideVerdict>& found) {
-    const Json name = problem.empty() ? Json(nullptr) : Json(problem);
-    const std::vector<Comparison> compared = compare(experiment, result, problem);
-    for (const Comparison& c : compared) comparisons.push_back(comparison_json(c));
-    for (const std::string& warning : guide_warnings(experiment, result, problem, compared)) {
-      warnings.push_back({{"problem", name}, {"text", warning}});
-    }
-    for (const auto& [strategy, spec] : experiment.strategies) {
-      const auto chosen = select_runs(result, problem, strategy);
-      const RunsSummary of = summarise(result, problem, strategy);
-      summary.push_back(summary_json(of, name, strategy, level_verdicts(found, problem, strategy, of),
-                                     part_verdicts(found, problem, strategy, of), unsolved_text(chosen, spec)));
-      summary.back()["pooled"] = of.levels.empty() ? Json(nullptr) : pooled_json(of.levels.front());
+  const auto add = [&](const ProblemSummary& problem) {
+    const Json name = text_or_null(problem.problem);
+    for (const Comparison& c : problem.comparisons) comparisons.push_back(comparison_json(c));
+    for (const std::string& warning : problem.warnings) warnings.push_back({{"problem", name}, {"text", warning}});
+    for (const StrategySummary& one : problem.strategies) {
+      summaries.push_back(summary_json(one, name));
+      const std::vector<LevelSummary>& levels = one.runs.levels;
+      summaries.back()["pooled"] = levels.empty() ? Json(nullptr) : pooled_json(levels.front());
     }
   };
-  const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
-  for (const auto& problem : experiment.problems) add(problem.name, found);
-  // All problems together.
-  if (experiment.problems.size() > 1) add("", guide_verdicts(experiment, result, true));
+  for (const ProblemSummary& problem : summary.problems) add(problem);
+  if (summary.together) add(*summary.together);
 
   std::string out = "{\n";
-  out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";
-  out += " \"script\": " + dump(script) + ",\n";
+  out += " \"trellis\": " + dump({{"version", summary.version}}) + ",\n";
+  out += " \"script\": " + dump(summary.script) + ",\n";
   out += " \"experiment\": " + dump(experiment_json(experiment)) + ",\n";
+  out += " \"report\": " + dump(report_facts_json(summary)) + ",\n";
   out += " \"runs\": " + lines(runs) + ",\n";
-  out += " \"summary\": " + lines(summary) + ",\n";
+  out += " \"summary\": " + lines(summaries) + ",\n";
   out += " \"comparisons\": " + lines(comparisons) + ",\n";
   out += " \"warnings\": " + lines(warnings) + "\n";
   return out + "}\n";

@@ -8,12 +8,13 @@
 
 namespace trellis {
 
-/// One quantity of the measure: how reports name it, where a run has it, and where a summary has its interval. The JSON
-/// of runs, the JSON of summaries and the means over runs use this one list.
+/// One quantity of the measure: how reports name it, where a run has it, and where a summary has its interval. Writers
+/// and readers of the JSON of runs and of summaries, and the means over runs use this one list.
 struct MeasureQuantity {
   const char* group;  ///< of JSON: the object that has it, nullptr: the measure itself
   const char* name;   ///< in JSON
   double (*of_run)(const Efficiency&);
+  double& (*field)(Efficiency&);  ///< where a run stores it; nullptr: computed from others
   Interval Figure::*over_runs;  ///< nullptr: summaries do not have it
   bool infinite;                ///< whether runs print an infinite value; else it counts as missing
 };

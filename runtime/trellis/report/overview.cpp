@@ -7,21 +7,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <trellis/experiment/input_warnings.hpp>
-#include <trellis/experiment/rejections.hpp>
-#include <trellis/experiment/scoring.hpp>
 #include <trellis/report/overview.hpp>
 #include <trellis/report/resolves.hpp>
-#include <trellis/report/summary.hpp>
 #include <trellis/report/table.hpp>
 #include <trellis/report/tables.hpp>
-#include <trellis/report/unsolved.hpp>
-#include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
 #include <trellis/strategy/ablation.hpp>
 
@@ -41,46 +34,50 @@ Table::Column text_column(std::string heading, std::string group = "") {
   return {{std::move(heading)}, std::move(group), true};
 }
 
+/// One strategy of the script, which is no ablation.
 struct Row {
-  std::string name;
-  const StrategySpec* spec;
-  RunsSummary summary;
-  std::vector<const RunResult*> runs;
-  std::vector<Verdict> verdicts;    ///< of its levels
-  std::vector<GuideVerdict> parts;  ///< of its guides without a level
+  const ExperimentSummary::Strategy* strategy;
+  const StrategySummary* of;
+
+  [[nodiscard]] const std::string& name() const { return strategy->name; }
+  [[nodiscard]] const RunsSummary& runs() const { return of->runs; }
+  /// "nested = skeleton() >> rrt {}"
+  [[nodiscard]] std::string equation() const {
+    return strategy->name == strategy->text ? strategy->text : strategy->name + " = " + strategy->text;
+  }
 };
 
-/// One problem, or all of them together, with its strategies and their comparisons.
+/// One problem, or all of them together, with the strategies of the script.
 struct Section {
-  std::string problem;  ///< "": all
+  const ProblemSummary* problem;
   std::string heading;
-  std::vector<Row> rows;  ///< without ablations
-  std::vector<Comparison> comparisons;
   std::string baseline;
+  std::vector<Row> rows;
 };
 
 const Comparison* comparison_of(const Section& section, const std::string& strategy) {
-  const auto it = std::find_if(section.comparisons.begin(), section.comparisons.end(),
-                               [&](const Comparison& c) { return c.strategy == strategy; });
-  return it != section.comparisons.end() ? &*it : nullptr;
+  const std::vector<Comparison>& comparisons = section.problem->comparisons;
+  const auto it =
+      std::find_if(comparisons.begin(), comparisons.end(), [&](const Comparison& c) { return c.strategy == strategy; });
+  return it != comparisons.end() ? &*it : nullptr;
 }
 
-Section section_of(const Experiment& experiment, const ExperimentResult& result,
-                   const std::vector<GuideVerdict>& verdicts, const std::string& problem, std::string heading) {
-  Section section;
-  section.problem = problem;
-  section.heading = std::move(heading);
-  section.baseline = baseline_of(experiment);
-  section.comparisons = compare(experiment, result, problem);
-  for (const auto& [name, spec] : experiment.strategies) {
-    if (is_ablation(experiment, name)) continue;
-    auto runs = select_runs(result, problem, name);
-    Row row{name, &spec, summarise(result, problem, name), std::move(runs), {}, {}};
-    row.verdicts = level_verdicts(verdicts, problem, name, row.summary);
-    row.parts = part_verdicts(verdicts, problem, name, row.summary);
-    section.rows.push_back(std::move(row));
+std::vector<Section> sections_of(const ExperimentSummary& experiment) {
+  std::vector<Section> sections;
+  for (const ProblemSummary* problem : experiment.listed()) {
+    std::string heading = problem->problem;
+    if (heading.empty()) {
+      heading = fmt::format("{} problems together ({} … {})", experiment.problems.size(),
+                            experiment.problems.front().problem, experiment.problems.back().problem);
+    }
+    Section section{problem, std::move(heading), experiment.baseline, {}};
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      if (!experiment.strategies[s].ablation.empty()) continue;
+      section.rows.push_back({&experiment.strategies[s], &problem->strategies[s]});
+    }
+    sections.push_back(std::move(section));
   }
-  return section;
+  return sections;
 }
 
 /// Returns a bar of eighths of a column, `share` of `width` columns long; never empty for a positive share.
@@ -102,10 +99,10 @@ std::string strategies_table(const Section& section, std::size_t width) {
   bool anytime = false;
   bool set_up = false;
   for (const Row& row : section.rows) {
-    anytime = anytime || !std::isnan(row.summary.improvement_checks);
-    set_up = set_up || row.summary.set_up_share > least_set_up_share;
-    if (std::isfinite(row.summary.validity_checks.value)) most = std::max(most, row.summary.validity_checks.value);
-    if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
+    anytime = anytime || !std::isnan(row.runs().improvement_checks);
+    set_up = set_up || row.runs().set_up_share > least_set_up_share;
+    if (std::isfinite(row.runs().validity_checks.value)) most = std::max(most, row.runs().validity_checks.value);
+    if (std::isfinite(row.runs().seconds.value)) slowest = std::max(slowest, 1000.0 * row.runs().seconds.value);
   }
   const std::string checks = "validity checks, median";
   std::vector<Table::Column> columns = {text_column("strategy"), number_column({"solved"}),
@@ -121,8 +118,8 @@ std::string strategies_table(const Section& section, std::size_t width) {
   columns.push_back(number_column({"path m"}, "mean"));
   Table table(columns);
   for (const Row& row : section.rows) {
-    const RunsSummary& s = row.summary;
-    std::vector<std::string> cells = {row.name, fmt::format("{}/{}", s.solved, s.runs),
+    const RunsSummary& s = row.runs();
+    std::vector<std::string> cells = {row.name(), fmt::format("{}/{}", s.solved, s.runs),
                                       count_text(s.validity_checks.value),
                                       std::isfinite(s.validity_checks.value) && most > 0.0 && section.rows.size() > 1
                                           ? bar(s.validity_checks.value / most, bar_width)
@@ -130,9 +127,9 @@ std::string strategies_table(const Section& section, std::size_t width) {
     if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
     if (set_up) cells.push_back(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
     if (compared) {
-      const Comparison* c = comparison_of(section, row.name);
-      cells.push_back(row.name == section.baseline ? "1" : c != nullptr ? ratio_text(c->validity_checks.ratio) : "-");
-      cells.push_back(row.name == section.baseline || c == nullptr ? "" : p_text(c->validity_checks.holm_p));
+      const Comparison* c = comparison_of(section, row.name());
+      cells.push_back(row.name() == section.baseline ? "1" : c != nullptr ? ratio_text(c->validity_checks.ratio) : "-");
+      cells.push_back(row.name() == section.baseline || c == nullptr ? "" : p_text(c->validity_checks.holm_p));
     }
     cells.push_back(milliseconds_text(s.seconds.value, decimals_for(slowest)));
     cells.push_back(std::isnan(s.length.value) ? "-" : fixed(s.length.value, 1));
@@ -220,55 +217,22 @@ std::string shortened(const std::string& text, std::size_t columns) {
   return cut + "…";
 }
 
-/// A guide that searches no space and so has no level, such as goal_bias(0.2).
-struct Part {
-  std::string name;
-  double share = 0.0;  ///< of its level's proposals, over all runs
-};
-
-std::vector<Part> parts_of(const Row& row, std::size_t level) {
-  const std::vector<LevelSummary>& levels = row.summary.levels;
-  const std::vector<std::string> unguided = {"goal", "uniform", "informed path"};
-  std::vector<std::string> other = unguided;
-  for (const LevelSummary& one : levels) {
-    if (one.parent == static_cast<int>(level)) other.push_back(one.name);
-  }
-  std::vector<Part> parts;
-  double all = 0.0;
-  for (const RunResult* run : row.runs) {
-    for (const LevelResult& one : run->levels) {
-      if (one.record.key != levels[level].key) continue;
-      const Search& search = one.record.search;
-      all += static_cast<double>(search.proposal_sources.size());
-      for (std::size_t i = 0; i < search.sources.size(); ++i) {
-        const std::string& name = search.sources[i];
-        if (std::find(other.begin(), other.end(), name) != other.end()) continue;
-        auto part = std::find_if(parts.begin(), parts.end(), [&](const Part& known) { return known.name == name; });
-        if (part == parts.end()) part = parts.insert(parts.end(), {name, 0.0});
-        part->share += static_cast<double>(std::count(search.proposal_sources.begin(), search.proposal_sources.end(),
-                                                      static_cast<Guidance::Source>(i)));
-      }
-    }
-  }
-  for (Part& part : parts) part.share = all > 0.0 ? part.share / all : 0.0;
-  return parts;
-}
-
 /// Whether a strategy has a table of its levels: it has several, or a guide without a space.
 bool has_levels_table(const Row& row) {
-  return row.summary.levels.size() > 1 || (!row.summary.levels.empty() && !parts_of(row, 0).empty());
+  const std::vector<LevelSummary>& levels = row.runs().levels;
+  return levels.size() > 1 || (!levels.empty() && !levels.front().parts.empty());
 }
 
 /// Adds a row for each part of a level that has no level of its own.
 void add_parts(Table& table, const Row& row, std::size_t level, std::size_t indent, std::size_t columns) {
-  for (const Part& part : parts_of(row, level)) {
+  for (const PartSummary& part : row.runs().levels[level].parts) {
     std::vector<std::string> cells(columns);
     cells.front() = shortened(std::string(indent, ' ') + "+ " + part.name, longest_label);
     cells.back() = fmt::format("draws {} % of proposals", percent(part.share));
     std::vector<std::string> verdicts;
-    for (const GuideVerdict& one : row.parts) {
+    for (const GuideVerdict& one : row.of->parts) {
       const std::string key = one.key.substr(0, one.key.rfind('/'));
-      const bool here = key == (level == 0 ? "0" : guide_key(row.summary.levels[level].key));
+      const bool here = key == (level == 0 ? "0" : guide_key(row.runs().levels[level].key));
       // Guides of one name are numbered: "goal_bias(0.2) #2".
       if (here && one.guide.substr(0, one.guide.find(" #")) == part.name) {
         verdicts.push_back(verdict_text(one.verdict));
@@ -280,11 +244,10 @@ void add_parts(Table& table, const Row& row, std::size_t level, std::size_t inde
 }
 
 /// Returns the table of the verdicts on one strategy's levels.
-std::string levels_table(const Experiment& experiment, const Row& row, std::size_t width) {
-  const std::vector<LevelSummary>& levels = row.summary.levels;
+std::string levels_table(bool measured, const Row& row, std::size_t width) {
+  const std::vector<LevelSummary>& levels = row.runs().levels;
   if (!has_levels_table(row)) return "";
-  const std::vector<Verdict>& found = row.verdicts;
-  const bool measured = experiment.measure.has_value();
+  const std::vector<Verdict>& found = row.of->verdicts;
   const std::string share = "share, %";
   const std::string nats = "nats above uniform";
   std::vector<Table::Column> columns = {text_column("level"), number_column({"checks"}, share),
@@ -307,49 +270,32 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
     table.add(std::move(cells));
     add_parts(table, row, i, display_width(labels[i]) - display_width(levels[i].name), columns.size());
   }
-  const std::string text = row.spec->text();
-  std::string out =
-      wrap(fmt::format("Which level pays? {}", row.name == text ? text : row.name + " = " + text), width, "", "  ");
-  out += table.text(width);
+  std::string out = wrap("Which level pays? " + row.equation(), width, "", "  ") + table.text(width);
   if (measured) out += nats_notes(levels, width);
   return out;
 }
 
 /// Lists runs without a path, with the reasons, and strategies whose guides perform worse than no guide.
-std::string warnings(const Experiment& experiment, const ExperimentResult& result, const Section& section,
-                     std::size_t width) {
+std::string warnings(const Section& section, std::size_t width) {
   std::string out;
   for (const Row& row : section.rows) {
-    if (const std::string why = unsolved_text(row.runs, *row.spec); !why.empty()) {
-      out += wrap(fmt::format("{}: {}", row.name, why), width, "", "  ");
-    }
+    if (!row.of->unsolved.empty()) out += wrap(fmt::format("{}: {}", row.name(), row.of->unsolved), width, "", "  ");
   }
-  for (const std::string& sentence : guide_warnings(experiment, result, section.problem, section.comparisons)) {
-    out += wrap("warning: " + sentence, width, "", "  ");
-  }
+  for (const std::string& sentence : section.problem->warnings) out += wrap("warning: " + sentence, width, "", "  ");
   return out;
 }
 
 /// Suggests the next step, in one line.
-std::string next_step(const Experiment& experiment, const std::vector<Section>& sections) {
+std::string next_step(const ExperimentSummary& experiment, const std::vector<Section>& sections) {
   for (const Section& section : sections) {
     for (const Row& row : section.rows) {
-      if (row.summary.solved == row.summary.runs) continue;
-      const double half = 0.5 * static_cast<double>(row.summary.runs);
-      if (static_cast<double>(row.summary.solved) >= half && row.summary.runs > 1) continue;
-      const auto& problems = experiment.problems;
-      const auto of_section = std::find_if(problems.begin(), problems.end(),
-                                           [&](const Problem& problem) { return problem.name == section.problem; });
-      if (of_section != problems.end() && separated(*of_section)) {
-        return fmt::format("no run on {} can succeed: obstacles separate start and goal", section.problem);
-      }
-      if (std::string narrow = of_section != problems.end() ? narrow_warning(*of_section) : ""; !narrow.empty()) {
-        return narrow;
-      }
+      const RunsSummary& runs = row.runs();
+      if (!mostly_unsolved(runs)) continue;
+      if (!section.problem->obstruction.empty()) return section.problem->obstruction;
       return fmt::format(
           "{} solves {} of {}: give its planner more `proposals`, or see --report levels for where it "
           "stopped",
-          row.name, row.summary.solved, row.summary.runs == 1 ? "1 run" : fmt::format("{} runs", row.summary.runs));
+          row.name(), runs.solved, runs.runs == 1 ? "1 run" : fmt::format("{} runs", runs.runs));
     }
   }
   bool guided = false;
@@ -359,11 +305,11 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
   std::vector<GuideVerdict> all;
   for (const Section& section : sections) {
     for (const Row& row : section.rows) {
-      guided = guided || row.spec->guide() != nullptr;
-      for (std::size_t i = 0; i < row.verdicts.size(); ++i) {
-        all.push_back({section.problem, row.name, "", row.summary.levels[i].name, row.verdicts[i]});
+      guided = guided || row.strategy->guided;
+      for (std::size_t i = 0; i < row.of->verdicts.size(); ++i) {
+        all.push_back({section.problem->problem, row.name(), "", row.runs().levels[i].name, row.of->verdicts[i]});
       }
-      all.insert(all.end(), row.parts.begin(), row.parts.end());
+      all.insert(all.end(), row.of->parts.begin(), row.of->parts.end());
     }
   }
   for (const GuideVerdict& one : all) {
@@ -374,10 +320,8 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
   }
   if (!guided) {
     if (experiment.strategies.size() > 1) return "--report full prints every figure";
-    const Scene* scene = experiment.problems.empty() ? nullptr : experiment.problems.front().scene.get();
-    const bool space = scene != nullptr && scene->world_dimension() == 3;
-    return fmt::format("put a guide before the planner, for instance {} >> {}", space ? "workspace()" : "skeleton()",
-                       experiment.strategies.front().second.text());
+    return fmt::format("put a guide before the planner, for instance {} >> {}",
+                       experiment.spatial ? "workspace()" : "skeleton()", experiment.strategies.front().text);
   }
   if (costly != nullptr) {
     const double without = 1.0 / costly->verdict.costs->ratio.value;
@@ -405,27 +349,7 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
   return "--report full prints every figure; --html FILE shows the runs";
 }
 
-}  // namespace
-
-namespace {
-
-std::vector<Section> sections_of(const Experiment& experiment, const ExperimentResult& result) {
-  std::vector<Section> sections;
-  const bool together = experiment.problems.size() > most_single_problems;
-  const std::vector<GuideVerdict> verdicts = guide_verdicts(experiment, result, together);
-  if (together) {
-    sections.push_back(section_of(experiment, result, verdicts, "",
-                                  fmt::format("{} problems together ({} … {})", experiment.problems.size(),
-                                              experiment.problems.front().name, experiment.problems.back().name)));
-  } else {
-    for (const Problem& problem : experiment.problems) {
-      sections.push_back(section_of(experiment, result, verdicts, problem.name, problem.name));
-    }
-  }
-  return sections;
-}
-
-std::string heading_of(const Experiment& experiment, const Section& section, std::size_t width) {
+std::string heading_of(const ExperimentSummary& experiment, const Section& section, std::size_t width) {
   std::string heading = fmt::format("{} · {}", section.heading, seeds_text(experiment.seeds));
   if (!section.baseline.empty() && section.rows.size() > 1) heading += " · baseline: " + section.baseline;
   return wrap(heading, width, "", "  ");
@@ -434,7 +358,7 @@ std::string heading_of(const Experiment& experiment, const Section& section, std
 /// Lists why levels were solved again, over the runs.
 std::string resolves_lines(const Row& row, std::size_t width) {
   std::string out;
-  for (const LevelSummary& level : row.summary.levels) {
+  for (const LevelSummary& level : row.runs().levels) {
     const std::string why = resolves_text(level);
     if (!why.empty()) out += wrap(fmt::format("{}: {}", level.name, why), width, "", "  ");
   }
@@ -442,33 +366,17 @@ std::string resolves_lines(const Row& row, std::size_t width) {
 }
 
 /// Names the obstacle that rejected most of each level's proposals, over the runs.
-std::string rejections_text(const Experiment& experiment, const Row& row, std::size_t width) {
+std::string rejections_text(const Row& row, std::size_t width) {
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return percent(static_cast<double>(part) / static_cast<double>(whole)) + " %";
+  };
   std::string out;
-  for (const LevelSummary& level : row.summary.levels) {
-    std::size_t rejected = 0;
-    std::size_t proposals = 0;
-    std::size_t examined = 0;
-    std::map<std::string, std::size_t> by;
-    for (const RunResult* run : row.runs) {
-      const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
-                                        [&](const Problem& p) { return p.name == run->problem; });
-      for (const LevelResult& one : run->levels) {
-        if (one.record.key != level.key || problem == experiment.problems.end()) continue;
-        const Rejections found = rejections(one.record, problem->resolution);
-        rejected += found.rejected;
-        proposals += one.record.search.proposals.size();
-        examined += found.examined;
-        for (const auto& [name, count] : found.by) by[name] += count;
-      }
-    }
-    const auto most =
-        std::max_element(by.begin(), by.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (most == by.end()) continue;
-    const auto share = [](std::size_t part, std::size_t whole) {
-      return percent(static_cast<double>(part) / static_cast<double>(whole)) + " %";
-    };
+  for (const LevelSummary& level : row.runs().levels) {
+    const RejectionsSummary& of = level.rejections;
+    if (of.by.empty()) continue;
+    const auto& [obstacle, count] = of.by.front();
     out += wrap(fmt::format("{}: {} of {} proposals rejected, {} of these by {}", level.name,
-                            share(rejected, proposals), proposals, share(most->second, examined), most->first),
+                            share(of.rejected, of.proposals), of.proposals, share(count, of.examined), obstacle),
                 width, "", "  ");
   }
   return out;
@@ -478,52 +386,50 @@ std::string rejections_text(const Experiment& experiment, const Row& row, std::s
 std::string undrawn_text(const Section& section, std::size_t width) {
   std::string out;
   for (const Row& row : section.rows) {
-    const BesideSummary& beside = row.summary.beside;
+    const BesideSummary& beside = row.runs().beside;
     if (beside.not_set_up + beside.no_guided == 0) continue;
-    out += wrap(row.name + ": " + beside_text(row.summary), width, "", "  ");
+    out += wrap(row.name() + ": " + beside_text(row.runs()), width, "", "  ");
   }
   return out;
 }
 
 /// Says that the paths are certified, and which one comes closest to contact.
 std::string certificates_text(const Section& section, std::size_t width) {
-  const RunResult* closest = nullptr;
+  const Row* closest = nullptr;
   std::size_t paths = 0;
   for (const Row& row : section.rows) {
-    for (const RunResult* run : row.runs) {
-      if (!run->run.certified) continue;
-      ++paths;
-      if (closest == nullptr || run->run.clearance < closest->run.clearance) closest = run;
-    }
+    const CertifiedSummary& certified = row.runs().certified;
+    paths += certified.paths;
+    if (certified.paths == 0) continue;
+    if (closest == nullptr || certified.clearance < closest->runs().certified.clearance) closest = &row;
   }
-  if (closest == nullptr || !std::isfinite(closest->run.clearance)) return "";
+  if (closest == nullptr || !std::isfinite(closest->runs().certified.clearance)) return "";
   return wrap(fmt::format("{} path{} certified free of contact; smallest clearance {:.2g} m ({}, seed {})", paths,
-                          paths == 1 ? "" : "s", closest->run.clearance, closest->strategy, closest->seed),
+                          paths == 1 ? "" : "s", closest->runs().certified.clearance, closest->name(),
+                          closest->runs().certified.seed),
               width, "", "  ");
 }
 
 }  // namespace
 
-std::string levels_report_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
+std::string levels_report_text(const ExperimentSummary& experiment, std::size_t width) {
   std::string out;
-  for (const Section& section : sections_of(experiment, result)) {
+  for (const Section& section : sections_of(experiment)) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width);
     for (const Row& row : section.rows) {
-      const std::string verdict = levels_table(experiment, row, width);
-      const std::string text = row.spec->text();
-      out +=
-          '\n' + (verdict.empty() ? wrap(row.name == text ? text : row.name + " = " + text, width, "", "  ") : verdict);
-      out += wrap(fmt::format("solved {}/{} runs · {}", row.summary.solved, row.summary.runs, shares_text(*row.spec)),
-                  width, "", "  ");
-      out += search_table(row.summary, width) + resolves_lines(row, width) + rejections_text(experiment, row, width);
+      const RunsSummary& runs = row.runs();
+      const std::string verdict = levels_table(experiment.measured, row, width);
+      out += '\n' + (verdict.empty() ? wrap(row.equation(), width, "", "  ") : verdict);
+      out += wrap(fmt::format("solved {}/{} runs · {}", runs.solved, runs.runs, row.strategy->shares), width, "", "  ");
+      out += search_table(runs, width) + resolves_lines(row, width) + rejections_text(row, width);
     }
-    out += warnings(experiment, result, section, width);
+    out += warnings(section, width);
   }
   return out;
 }
 
-std::string overview_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
-  const std::vector<Section> sections = sections_of(experiment, result);
+std::string overview_text(const ExperimentSummary& experiment, std::size_t width) {
+  const std::vector<Section> sections = sections_of(experiment);
   std::size_t tables = 0;
   for (const Section& section : sections) {
     for (const Row& row : section.rows) tables += has_levels_table(row) ? 1 : 0;
@@ -532,10 +438,10 @@ std::string overview_text(const Experiment& experiment, const ExperimentResult& 
   for (const Section& section : sections) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
     out += certificates_text(section, width) + undrawn_text(section, width);
-    out += warnings(experiment, result, section, width);
+    out += warnings(section, width);
     if (tables > most_level_tables) continue;
     for (const Row& row : section.rows) {
-      if (const std::string table = levels_table(experiment, row, width); !table.empty()) {
+      if (const std::string table = levels_table(experiment.measured, row, width); !table.empty()) {
         out += '\n' + table;
       }
     }

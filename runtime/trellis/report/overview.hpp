@@ -4,16 +4,16 @@
 #include <cstddef>
 #include <string>
 
-#include <trellis/experiment/experiment.hpp>
+#include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {
 
 /// Returns the report that a run prints: solved runs, costs relative to the baseline, the verdict on each level, and
 /// the next step.
-std::string overview_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width);
+std::string overview_text(const ExperimentSummary& experiment, std::size_t width);
 
 /// Returns the same level by level, for every strategy with its ablations: verdicts, the search of each level, why it
 /// was solved again, and the obstacle that rejected most of its proposals.
-std::string levels_report_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width);
+std::string levels_report_text(const ExperimentSummary& experiment, std::size_t width);
 
 }  // namespace trellis

@@ -212,16 +212,16 @@ class Markdown {
 
 class Tables {
  public:
-  Tables(const Experiment& experiment, const ExperimentResult& result)
+  Tables(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary)
       : experiment_(experiment), result_(result), estimators_(estimators_of(experiment)) {
-    for (const Problem& problem : experiment.problems) {
-      for (const auto& [name, spec] : experiment.strategies) {
-        summaries_.emplace(std::pair(problem.name, name), summarise(result, problem.name, name));
+    for (const ProblemSummary& problem : summary.problems) {
+      for (const StrategySummary& one : problem.strategies) {
+        summaries_.emplace(std::pair(problem.problem, one.strategy), &one.runs);
       }
     }
     if (std::any_of(summaries_.begin(), summaries_.end(), [](const auto& entry) {
-          return !entry.second.levels.empty() &&
-                 trellis::headline(entry.second.levels.front(), SampleRole::tree).seeds > 0;
+          const std::vector<LevelSummary>& levels = entry.second->levels;
+          return !levels.empty() && trellis::headline(levels.front(), SampleRole::tree).seeds > 0;
         })) {
       paths_.push_back(together);
     }
@@ -321,7 +321,7 @@ class Tables {
   }
 
   [[nodiscard]] const RunsSummary& summary_of(const std::string& problem, const std::string& strategy) const {
-    return summaries_.at({problem, strategy});
+    return *summaries_.at({problem, strategy});
   }
 
   /// The samples of all seeds of a strategy; nullptr without.
@@ -740,19 +740,20 @@ class Tables {
   const Experiment& experiment_;
   const ExperimentResult& result_;
   std::vector<std::string> estimators_;
-  std::map<std::pair<std::string, std::string>, RunsSummary> summaries_;  // by problem and strategy
-  std::vector<NamedPath> paths_;                                          // those that the tables have
+  std::map<std::pair<std::string, std::string>, const RunsSummary*> summaries_;  // by problem and strategy
+  std::vector<NamedPath> paths_;                                                 // those that the tables have
   Markdown page_;
 };
 
 }  // namespace
 
-std::string report_markdown(const Experiment& experiment, const ExperimentResult& result) {
-  return Tables(experiment, result).markdown();
+std::string report_markdown(const Experiment& experiment, const ExperimentResult& result,
+                            const ExperimentSummary& summary) {
+  return Tables(experiment, result, summary).markdown();
 }
 
-std::string report_csv(const Experiment& experiment, const ExperimentResult& result) {
-  return Tables(experiment, result).csv();
+std::string report_csv(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary) {
+  return Tables(experiment, result, summary).csv();
 }
 
 }  // namespace trellis

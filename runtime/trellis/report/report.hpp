@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {
 
@@ -21,29 +22,30 @@ const std::vector<std::string>& report_kinds();
 
 /// Returns the printed report, problem by problem; reports more than six problems together. UTF-8, no colour, at most
 /// `width` columns where the content allows; an overview fits into 100.
-std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width = 160,
-                        ReportKind kind = ReportKind::full);
+std::string report_text(const ExperimentSummary& experiment, int width = 160, ReportKind kind = ReportKind::full);
 
 /// A part of the printed report: the search of each level of one run.
 std::string levels_text(const RunResult& run, int width = 160);
 /// A part of the printed report: how each level of one run samples, where it was scored.
 std::string efficiency_text(const RunResult& run, int width = 160);
 /// A part of the printed report: the strategies and their comparisons, problem by problem.
-std::string summary_text(const Experiment& experiment, const ExperimentResult& result, int width = 160);
+std::string summary_text(const ExperimentSummary& experiment, int width = 160);
 
 /// Returns the JSON document that docs/formats.md describes. A missing value is null.
-/// \param script  the path as given on the command line, "" for none
-std::string report_json(const Experiment& experiment, const ExperimentResult& result, const std::string& script);
+/// \param summary  of the experiment
+std::string report_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary);
 
 /// Returns the root's sampling efficiency in the layout of papers, in Markdown: strategies below each other, problems
 /// side by side, the tree above the expansion. It contains every estimator, on own and other seeds' paths, and the
 /// other measures. With published values it lists both, with rank correlations, and states whether the results confirm
 /// the published claims.
-std::string report_markdown(const Experiment& experiment, const ExperimentResult& result);
+/// \param summary  of the experiment
+std::string report_markdown(const Experiment& experiment, const ExperimentResult& result,
+                            const ExperimentSummary& summary);
 
 /// Returns the same values as comma-separated values, one per line: problem, strategy, role, path, estimator, quantity,
 /// value, lo, hi, n, infinite.
-std::string report_csv(const Experiment& experiment, const ExperimentResult& result);
+std::string report_csv(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary);
 
 /// Writes DIR/<problem>/<strategy>/seed-<seed>/samples.csv and path.csv for every run. Writes each file atomically (a
 /// temporary file, then a rename).

@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include <trellis/experiment/rejections.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/report/measures.hpp>
 #include <trellis/report/resolves.hpp>
@@ -518,8 +519,82 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   return result;
 }
 
-RunsSummary summarise(const ExperimentResult& result, const std::string& problem, const std::string& strategy) {
-  RunsSummary summary = summarise(select_runs(result, problem, strategy));
+namespace {
+
+/// Adds the guides without a level, with their shares of the proposals.
+void add_parts(const std::vector<const RunResult*>& runs, std::vector<LevelSummary>& levels) {
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    std::vector<std::string> other = {"goal", "uniform", "informed path"};
+    for (const LevelSummary& one : levels) {
+      if (one.parent == static_cast<int>(i)) other.push_back(one.name);
+    }
+    std::vector<PartSummary>& parts = levels[i].parts;
+    double all = 0.0;
+    for (const RunResult* run : runs) {
+      for (const LevelResult& one : run->levels) {
+        if (one.record.key != levels[i].key) continue;
+        const Search& search = one.record.search;
+        all += static_cast<double>(search.proposal_sources.size());
+        for (std::size_t k = 0; k < search.sources.size(); ++k) {
+          const std::string& name = search.sources[k];
+          if (std::find(other.begin(), other.end(), name) != other.end()) continue;
+          auto part =
+              std::find_if(parts.begin(), parts.end(), [&](const PartSummary& known) { return known.name == name; });
+          if (part == parts.end()) part = parts.insert(parts.end(), {name, 0.0});
+          part->share += static_cast<double>(std::count(search.proposal_sources.begin(), search.proposal_sources.end(),
+                                                        static_cast<Guidance::Source>(k)));
+        }
+      }
+    }
+    for (PartSummary& part : parts) part.share = all > 0.0 ? part.share / all : 0.0;
+  }
+}
+
+/// Adds the obstacles that rejected each level's proposals.
+void add_rejections(const Experiment& experiment, const std::vector<const RunResult*>& runs,
+                    std::vector<LevelSummary>& levels) {
+  for (LevelSummary& level : levels) {
+    std::map<std::string, std::size_t> by;
+    for (const RunResult* run : runs) {
+      const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
+                                        [&](const Problem& one) { return one.name == run->problem; });
+      if (problem == experiment.problems.end()) continue;
+      for (const LevelResult& one : run->levels) {
+        if (one.record.key != level.key) continue;
+        const Rejections found = rejections(one.record, problem->resolution);
+        level.rejections.proposals += one.record.search.proposals.size();
+        level.rejections.rejected += found.rejected;
+        level.rejections.examined += found.examined;
+        for (const auto& [name, count] : found.by) by[name] += count;
+      }
+    }
+    level.rejections.by.assign(by.begin(), by.end());
+    std::stable_sort(level.rejections.by.begin(), level.rejections.by.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
+  }
+}
+
+CertifiedSummary summarise_certified(std::span<const RunResult* const> runs) {
+  CertifiedSummary result;
+  for (const RunResult* run : runs) {
+    if (!run->run.certified) continue;
+    ++result.paths;
+    if (result.paths > 1 && !(run->run.clearance < result.clearance)) continue;
+    result.clearance = run->run.clearance;
+    result.seed = run->seed;
+  }
+  return result;
+}
+
+}  // namespace
+
+RunsSummary summarise(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                      const std::string& strategy) {
+  const std::vector<const RunResult*> runs = select_runs(result, problem, strategy);
+  RunsSummary summary = summarise(runs);
+  add_parts(runs, summary.levels);
+  add_rejections(experiment, runs, summary.levels);
+  summary.certified = summarise_certified(runs);
   for (LevelSummary& level : summary.levels) {
     std::vector<Efficiency> tree;
     std::vector<Efficiency> expansion;
@@ -612,10 +687,9 @@ void correct(std::vector<Comparison>& comparisons, Quantity quantity, Any any) {
 
 }  // namespace
 
-std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
-                                const std::string& problem) {
+std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result, bool together) {
   std::vector<Comparison> shown;
-  if (problem.empty()) {
+  if (together) {
     shown = compare_on(experiment, result, "");
   } else {
     for (const Problem& one : experiment.problems) {
@@ -634,7 +708,6 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
     correct(
         shown, [quantity](Comparison& c) -> Paired& { return c.*quantity; }, has_pairs);
   }
-  if (!problem.empty()) std::erase_if(shown, [&](const Comparison& c) { return c.problem != problem; });
   return shown;
 }
 
@@ -656,52 +729,6 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
     labels.push_back(fmt::format("{:>{}} {}{}", i, digits, branches, levels[i].name));
   }
   return labels;
-}
-
-std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
-                                        const std::string& problem) {
-  return guide_warnings(experiment, result, problem, compare(experiment, result, problem));
-}
-
-std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
-                                        const std::string& problem, const std::vector<Comparison>& comparisons) {
-  const auto guided = [&](const std::string& name) {
-    const auto it = std::find_if(experiment.strategies.begin(), experiment.strategies.end(),
-                                 [&](const auto& entry) { return entry.first == name; });
-    return it != experiment.strategies.end() && it->second.guide() != nullptr;
-  };
-  std::vector<std::string> warnings;
-  for (const Comparison& c : comparisons) {
-    // Ablations remove one of several guides: their tables show the effect of each guide.
-    if (!c.text.empty() || !guided(c.strategy) || guided(c.baseline)) continue;
-    const PairedCosts& checks = c.validity_checks;
-    if (c.solved.difference.n >= least_for_interval && c.solved.difference.hi < 0.0) {
-      warnings.push_back(fmt::format("{} solves fewer runs than {}, which has no guide: {} of {} against {}",
-                                     c.strategy, c.baseline, checks.solved, checks.pairs, checks.reference_solved));
-    }
-    if (checks.ratio.lo > 1.0) {
-      warnings.push_back(fmt::format("{} costs more validity checks than {}, which has no guide: {} times as many",
-                                     c.strategy, c.baseline, ratio_text(checks.ratio)));
-    }
-  }
-  for (const auto& [name, spec] : experiment.strategies) {
-    const bool ablated = std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
-                                     [&, &strategy = name](const AblationLink& l) { return l.strategy == strategy; });
-    // Thin guidance may lie far from the target and still save checks.
-    const bool saves = std::any_of(comparisons.begin(), comparisons.end(), [&, &strategy = name](const Comparison& c) {
-      return c.strategy == strategy && c.text.empty() && c.validity_checks.ratio.hi < 1.0;
-    });
-    if (ablated || saves || spec.guide() == nullptr) continue;
-    const RunsSummary summary = summarise(result, problem, name);
-    if (summary.levels.empty()) continue;
-    // Proposals in a thin tube may have less spread than uniform ones and still save most checks: judge by the nodes.
-    if (const AboveUniform above = headline(summary.levels.front(), SampleRole::tree).above; above.hi < 0.0) {
-      warnings.push_back(
-          fmt::format("{}'s nodes cover the target less well than uniform samples: {} nats above uniform", name,
-                      ends_text(above.lo, above.hi)));
-    }
-  }
-  return warnings;
 }
 
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

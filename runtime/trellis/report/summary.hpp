@@ -99,6 +99,20 @@ struct ResolvesSummary {
   std::size_t limited = 0;    ///< runs in which its path was refuted at the limit of re-solves
 };
 
+/// The obstacles that rejected a level's proposals, over the runs (Rejections).
+struct RejectionsSummary {
+  std::size_t proposals = 0;  ///< of all runs
+  std::size_t rejected = 0;
+  std::size_t examined = 0;
+  std::vector<std::pair<std::string, std::size_t>> by;  ///< the contacts, with their numbers, the most frequent first
+};
+
+/// A part of a guide that searches no space and so has no level, such as goal_bias(0.2).
+struct PartSummary {
+  std::string name;
+  double share = 0.0;  ///< of its level's proposals, over all runs
+};
+
 /// The samples of a level of all seeds together, lifted to the root's space, on the paths of seeds left out.
 struct PooledSummary {
   std::size_t seeds = 0;    ///< in the pool of a path
@@ -140,6 +154,8 @@ struct LevelSummary {
   FigurePair uniform;  ///< and of uniform sampling
   FigurePair equal;    ///< of the root level: with as many samples as the strategy with the fewest
   MetricsSummary metrics;
+  std::vector<PartSummary> parts;  ///< of its guide
+  RejectionsSummary rejections;
 };
 
 /// The figure of a level that reports print first, in the root's space: of all seeds together where there are five or
@@ -186,6 +202,13 @@ struct BesideSummary {
   std::size_t no_guided = 0;   ///< other runs in which the guides of the root drew no proposal
 };
 
+/// The certified paths of runs, and the one of the smallest clearance.
+struct CertifiedSummary {
+  std::size_t paths = 0;
+  double clearance = std::numeric_limits<double>::quiet_NaN();  ///< m; infinite where nothing is near
+  std::uint64_t seed = 0;                                       ///< of that path
+};
+
 /// The set-up of guides has a column in tables where it is more than this share of the work.
 inline constexpr double least_set_up_share = 0.1;
 
@@ -214,6 +237,7 @@ struct RunsSummary {
   Waterfall tree_waterfall;
   Waterfall expansion_waterfall;
   BesideSummary beside;
+  CertifiedSummary certified;
 };
 
 /// Two strategies on the same problem and seeds; differences are the second's minus the baseline's.
@@ -238,27 +262,17 @@ std::vector<std::uint64_t> parse_key(const std::string& key);
 CensoredCost path_cost(const RunResult& run);
 
 RunsSummary summarise(std::span<const RunResult* const> runs);
-/// The runs of a strategy on a problem or, with "", on all, with their samples of all seeds together.
-RunsSummary summarise(const ExperimentResult& result, const std::string& problem, const std::string& strategy);
+/// The runs of a strategy on a problem or, with "", on all, with their samples of all seeds together and the obstacles
+/// that rejected proposals.
+RunsSummary summarise(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                      const std::string& strategy);
 
-/// Compares all strategies with the baseline (ablations with the complete strategy), on a problem or, with "", on all.
-/// The p values of a quantity are corrected over the comparisons of one report: those of the single problems, or those
-/// on all problems together.
-std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
-                                const std::string& problem);
+/// Compares all strategies with the baseline (ablations with the complete strategy) on each problem or, if `together`,
+/// on all problems together. The p values of a quantity are corrected over the returned comparisons.
+std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result, bool together);
 
 /// Returns the names of levels in tables, as a tree: "0 root", "1 └ lazy()", "2   └ shrink(0.5)".
 std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);
-
-/// Returns a sentence, with its evidence, for each strategy whose guide performs worse than no guide on a problem (or,
-/// with "", on all): it solves fewer runs or costs more validity checks than an unguided baseline, or its root's nodes
-/// are less efficient than uniform samples, beyond the interval in each case. Omits strategies with too few runs for an
-/// interval.
-/// \param comparisons  those of compare() on the same problem
-std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
-                                        const std::string& problem, const std::vector<Comparison>& comparisons);
-std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
-                                        const std::string& problem);
 
 /// Returns a sentence on what the planner beside the guided search did: its share of the work, in how many runs it
 /// found the path, and where the guides never drew. Empty where there was none.

@@ -13,7 +13,5 @@ namespace trellis {
 std::string search_table(const RunsSummary& summary, std::size_t width);
 /// Returns the sampling of each level: the measure of tree and expansion, its waterfalls, and notes.
 std::string efficiency_tables(const RunsSummary& summary, std::size_t width);
-/// "uniform share of proposals 0.05 at each guided level".
-std::string shares_text(const StrategySpec& spec);
 
 }  // namespace trellis

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <set>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/overview.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/summary.hpp>
 #include <trellis/report/table.hpp>
 #include <trellis/report/tables.hpp>
 #include <trellis/report/words.hpp>
@@ -19,9 +18,6 @@
 namespace trellis {
 
 namespace {
-
-/// More problems than these are reported together: single tables would be too many.
-constexpr std::size_t most_single_problems = 6;
 
 // Figures and what is to be said about them -------------------------------------------------------------------------
 
@@ -131,56 +127,6 @@ class FigureColumn {
   };
   std::vector<Cell> cells_;
 };
-
-// A strategy's heading ---------------------------------------------------------------------------------------------
-
-struct UniformShare {
-  std::string level;
-  double share;
-};
-
-void collect_shares(const GuideSpec* guide, const PlannerSpec& planner, const std::string& name,
-                    std::vector<UniformShare>& out);
-
-/// Collects the levels that search the spaces of a guide's parts.
-void collect_parts(const GuideSpec& guide, std::vector<UniformShare>& out) {
-  if (guide.kind() != GuideSpec::Kind::component) {
-    for (const auto& term : guide.terms()) collect_parts(term.guide, out);
-  } else if (guide.planner()) {
-    collect_shares(guide.below(), *guide.planner(), guide.name(), out);
-  }
-}
-
-void collect_shares(const GuideSpec* guide, const PlannerSpec& planner, const std::string& name,
-                    std::vector<UniformShare>& out) {
-  if (guide == nullptr) return;  // an unguided search samples from no other level
-  for (const auto& [option, value] : planner.options().entries()) {
-    const auto* share = std::get_if<double>(&value);
-    if (option == "uniform" && share != nullptr) out.push_back({name, *share});
-  }
-  collect_parts(*guide, out);
-}
-
-}  // namespace
-
-std::string shares_text(const StrategySpec& spec) {
-  std::vector<UniformShare> shares;
-  collect_shares(spec.guide(), spec.planner(), "root", shares);
-  if (shares.empty()) return "no guide";
-  const bool same =
-      std::all_of(shares.begin(), shares.end(), [&](const UniformShare& s) { return s.share == shares.front().share; });
-  if (same) {
-    return fmt::format("uniform share of proposals {:g}{}", shares.front().share,
-                       shares.size() > 1 ? " at each guided level" : "");
-  }
-  std::string text = "uniform share of proposals: ";
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    text += fmt::format("{}{} {:g}", i == 0 ? "" : ", ", shares[i].level, shares[i].share);
-  }
-  return text;
-}
-
-namespace {
 
 // The table of one strategy ------------------------------------------------------------------------------------------
 
@@ -576,11 +522,6 @@ std::string strategy_table(const RunsSummary& summary, bool measured, bool searc
 
 // The summary --------------------------------------------------------------------------------------------------------
 
-struct Row {
-  std::string strategy;
-  RunsSummary summary;
-};
-
 /// Returns the number of runs of a pair of means: "14", or "14, 12" where tree and expansion differ.
 std::string scored_text(const FigurePair& pair) {
   if (pair.tree.scored == pair.expansion.scored || pair.expansion.scored == 0) return std::to_string(pair.tree.scored);
@@ -588,9 +529,9 @@ std::string scored_text(const FigurePair& pair) {
   return fmt::format("{}, {}", pair.tree.scored, pair.expansion.scored);
 }
 
-const LevelSummary& root_of(const Row& row) {
+const LevelSummary& root_of(const StrategySummary& row) {
   static const LevelSummary none;
-  return row.summary.levels.empty() ? none : row.summary.levels.front();
+  return row.runs.levels.empty() ? none : row.runs.levels.front();
 }
 
 std::string above_text(const Figure& figure) {
@@ -603,8 +544,8 @@ std::string above_text(const Figure& figure) {
 /// samples, each where any strategy has it.
 class RootColumns {
  public:
-  explicit RootColumns(const std::vector<Row>& rows) {
-    for (const Row& row : rows) {
+  explicit RootColumns(const std::vector<StrategySummary>& rows) {
+    for (const StrategySummary& row : rows) {
       const LevelSummary& root = root_of(row);
       crossed_ = crossed_ || root.root_cross.tree.scored > 0;
       equal_ = equal_ || root.equal.tree.scored + root.equal.expansion.scored > 0;
@@ -657,7 +598,7 @@ class RootColumns {
   bool equal_ = false;
 };
 
-std::string summary_table(const std::vector<Row>& rows, bool measured, std::size_t width) {
+std::string summary_table(const std::vector<StrategySummary>& rows, bool measured, std::size_t width) {
   std::vector<Table::Column> columns = {text_column("strategy"),
                                         number_column({"solved"}, "success"),
                                         number_column({"95 %", "interval"}, "success"),
@@ -665,10 +606,10 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                         number_column({"motion", "checks"}, "medians, all levels"),
                                         number_column({"time", "ms"}, "medians, all levels"),
                                         number_column({"path length", "m, mean"})};
-  const bool anytime =
-      std::any_of(rows.begin(), rows.end(), [](const Row& r) { return !std::isnan(r.summary.improvement_checks); });
-  const bool set_up =
-      std::any_of(rows.begin(), rows.end(), [](const Row& r) { return r.summary.set_up_share > least_set_up_share; });
+  const bool anytime = std::any_of(rows.begin(), rows.end(),
+                                   [](const StrategySummary& r) { return !std::isnan(r.runs.improvement_checks); });
+  const bool set_up = std::any_of(rows.begin(), rows.end(),
+                                  [](const StrategySummary& r) { return r.runs.set_up_share > least_set_up_share; });
   const std::string medians = "medians, all levels";
   if (set_up) columns.insert(columns.begin() + 4, number_column({"set-up,", "checks"}, medians));
   if (anytime) {
@@ -679,11 +620,11 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
   if (measured) root.add_columns(columns);
   double slowest = 0.0;
   for (const auto& row : rows) {
-    if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
+    if (std::isfinite(row.runs.seconds.value)) slowest = std::max(slowest, 1000.0 * row.runs.seconds.value);
   }
   Table table(columns);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const RunsSummary& s = rows[i].summary;
+    const RunsSummary& s = rows[i].runs;
     std::vector<std::string> cells = {rows[i].strategy, fmt::format("{}/{}", s.solved, s.runs), wilson_text(s.success),
                                       count_text(s.validity_checks.value)};
     if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
@@ -766,12 +707,9 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
   return out;
 }
 
-std::string warnings_text(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                          std::size_t width) {
+std::string warnings_text(const ProblemSummary& problem, std::size_t width) {
   std::string out;
-  for (const std::string& warning : guide_warnings(experiment, result, problem)) {
-    out += wrap("warning: " + warning, width, "", "  ");
-  }
+  for (const std::string& warning : problem.warnings) out += wrap("warning: " + warning, width, "", "  ");
   return out.empty() ? out : '\n' + out;
 }
 
@@ -783,61 +721,7 @@ std::string title(const std::string& text, std::size_t width) {
   return line + '\n';
 }
 
-/// Collects the radii of the tubes of guides' proposals, 0 for the default.
-/// \param whole  set to false where a guide proposes in a part of its tube only: `follow` is not "tube"
-void collect_radii(const GuideSpec& guide, std::set<double>& radii, bool& whole) {
-  if (guide.kind() != GuideSpec::Kind::component) {
-    for (const auto& term : guide.terms()) collect_radii(term.guide, radii, whole);
-    return;
-  }
-  if (guide.custom()) return;
-  for (const auto& [option, value] : guide.options().entries()) {
-    const auto* radius = std::get_if<double>(&value);
-    if (option == "radius" && radius != nullptr) radii.insert(*radius);
-    const auto* follow = std::get_if<std::string>(&value);
-    if (option == "follow" && follow != nullptr && *follow != "tube") whole = false;
-  }
-}
-
-/// Compares the tubes of the root's guides with the target. "" where one of them is no tube.
-std::string tubes_text(const Experiment& experiment) {
-  const auto* target = std::get_if<TubeSettings>(&experiment.measure->target);
-  std::set<double> radii;
-  bool whole = true;
-  for (const auto& [name, spec] : experiment.strategies) {
-    if (spec.guide() != nullptr) collect_radii(*spec.guide(), radii, whole);
-  }
-  if (target == nullptr || radii.empty()) return "";
-  const bool full = target->distance == TubeSettings::Distance::full;
-  if (full && whole && radii == std::set{target->delta}) return "Guides propose in the same set, their tubes.";
-  std::string text;
-  for (const double radius : radii) {
-    text += (text.empty() ? "" : ", ") +
-            (radius > 0.0 ? fmt::format("{:g} m", radius) : std::string("half the robot's bounding radius"));
-  }
-  return fmt::format(
-      "Guides with a tube propose within {} of their path, headings included: another set than the target, and what of "
-      "the target lies outside of it counts as spread; tube {{ delta = r, distance = \"full\" }} and "
-      "the guide's follow = \"tube\", radius = r make them one.",
-      text);
-}
-
-/// States the scores that the measure omits to save time, with the options that request them. "" if none.
-std::string omitted_text(const Experiment& experiment) {
-  const Measure& m = *experiment.measure;
-  std::string text;
-  if (m.estimators == default_estimators()) text = "other estimators (estimators = { ... })";
-  const bool guided = std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
-                                  [](const auto& strategy) { return strategy.second.guide() != nullptr; });
-  const bool crosses = m.cross > 0 && experiment.seeds.size() > 1 && std::holds_alternative<TubeSettings>(m.target);
-  if (guided && crosses && !m.cross_levels) {
-    text += (text.empty() ? "" : "; ");
-    text += "the paths of other seeds in the lower levels' own spaces (cross_levels = true)";
-  }
-  return text.empty() ? "" : " Omitted: " + text + ".";
-}
-
-std::string legend(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
+std::string legend(const ExperimentSummary& experiment, std::size_t width) {
   std::string out = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "problem"),
                                 plural_y(experiment.strategies.size(), "strateg"), seeds_text(experiment.seeds));
   out += experiment.seeds.size() * experiment.problems.size() > 1
@@ -848,25 +732,8 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
                "5 runs."
              : "One run of each strategy: no intervals.";
   out = wrap(out, width);
-  if (!experiment.measure) return out;
-  const Measure& m = *experiment.measure;
-  std::vector<std::string> estimators;
-  const auto see = [&](const std::optional<Scores>& scores) {
-    if (!scores) return;
-    for (const Efficiency* e : {&scores->tree, &scores->expansion}) {
-      if (std::isnan(e->value)) continue;
-      if (std::find(estimators.begin(), estimators.end(), e->estimator) == estimators.end()) {
-        estimators.push_back(e->estimator);
-      }
-    }
-  };
-  for (const auto& run : result.runs) {
-    for (const auto& level : run.levels) {
-      for (const auto* scores : {&level.own, &level.root, &level.own_cross, &level.root_cross}) see(*scores);
-    }
-  }
-  std::string names;
-  for (const auto& name : estimators) names += (names.empty() ? "" : ", ") + name;
+  if (!experiment.measured) return out;
+  const std::string names = fmt::format("{}", fmt::join(experiment.estimators, ", "));
   out += wrap(
       fmt::format(
           "Above uniform: nats by which samples are nearer to the target than uniform ones, more is better; it is "
@@ -877,21 +744,19 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
           "of arc length along the path. docs/measure.md explains them.",
           100.0 * defence),
       width);
-  out += wrap(fmt::format("Target: {}{}.{}{}{}", target_text(m.target), names.empty() ? "" : "; estimator: " + names,
-                          tubes_text(experiment).empty() ? "" : " ", tubes_text(experiment), omitted_text(experiment)),
+  out += wrap(fmt::format("Target: {}{}.{}{}{}{}", experiment.target, names.empty() ? "" : "; estimator: " + names,
+                          experiment.tubes.empty() ? "" : " ", experiment.tubes, experiment.omitted.empty() ? "" : " ",
+                          experiment.omitted),
               width);
   return out;
 }
 
 std::size_t columns_of(int width) { return static_cast<std::size_t>(std::max(width, 20)); }
 
-std::string summary_section(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                            const std::vector<Row>& rows, std::size_t columns) {
-  const bool measured = experiment.measure.has_value();
-  return "\nsummary of " + (problem.empty() ? "all problems" : problem) + '\n' +
-         summary_table(rows, measured, columns) +
-         comparison_tables(compare(experiment, result, problem), measured, columns) +
-         warnings_text(experiment, result, problem, columns);
+std::string summary_section(const ExperimentSummary& experiment, const ProblemSummary& problem, std::size_t columns) {
+  return "\nsummary of " + (problem.problem.empty() ? "all problems" : problem.problem) + '\n' +
+         summary_table(problem.strategies, experiment.measured, columns) +
+         comparison_tables(problem.comparisons, experiment.measured, columns) + warnings_text(problem, columns);
 }
 
 RunsSummary summary_of(const RunResult& run) {
@@ -907,16 +772,9 @@ std::string efficiency_text(const RunResult& run, int width) {
   return efficiency_tables(summary_of(run), columns_of(width));
 }
 
-std::string summary_text(const Experiment& experiment, const ExperimentResult& result, int width) {
+std::string summary_text(const ExperimentSummary& experiment, int width) {
   std::string out;
-  for (const auto& problem : experiment.problems) {
-    std::vector<Row> rows;
-    rows.reserve(experiment.strategies.size());
-    for (const auto& [name, spec] : experiment.strategies) {
-      rows.push_back({name, summarise(result, problem.name, name)});
-    }
-    out += summary_section(experiment, result, problem.name, rows, columns_of(width));
-  }
+  for (const ProblemSummary& one : experiment.problems) out += summary_section(experiment, one, columns_of(width));
   return out;
 }
 
@@ -925,42 +783,33 @@ const std::vector<std::string>& report_kinds() {
   return names;
 }
 
-std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width, ReportKind kind) {
+std::string report_text(const ExperimentSummary& experiment, int width, ReportKind kind) {
   const std::size_t columns = columns_of(width);
-  if (kind == ReportKind::overview) return overview_text(experiment, result, columns);
-  if (kind == ReportKind::levels) return levels_report_text(experiment, result, columns);
-  const bool measured = experiment.measure.has_value();
-  std::string out = legend(experiment, result, columns);
-
-  const auto section = [&](const std::string& problem, const std::string& heading) {
-    std::vector<Row> rows;
+  if (kind == ReportKind::overview) return overview_text(experiment, columns);
+  if (kind == ReportKind::levels) return levels_report_text(experiment, columns);
+  std::string out = legend(experiment, columns);
+  for (const ProblemSummary* problem : experiment.listed()) {
+    const std::string heading = problem->problem.empty()
+                                    ? fmt::format("{} problems taken together ({} … {}), {} in all for each strategy",
+                                                  experiment.problems.size(), experiment.problems.front().problem,
+                                                  experiment.problems.back().problem,
+                                                  plural(experiment.problems.size() * experiment.seeds.size(), "run"))
+                                    : fmt::format("{}, {}", problem->problem, seeds_text(experiment.seeds));
     out += '\n' + title(heading, columns);
-    for (const auto& [name, spec] : experiment.strategies) {
-      rows.push_back({name, summarise(result, problem, name)});
-      const RunsSummary& summary = rows.back().summary;
-      const std::string text = spec.text();
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      const auto& [name, text, shares, ablation, guided] = experiment.strategies[s];
+      const RunsSummary& runs = problem->strategies[s].runs;
       out += '\n' + wrap(name == text ? name : fmt::format("{} = {}", name, text), columns, "", "    ");
-      out += wrap(fmt::format("solved {}/{} runs{} · {}", summary.solved, summary.runs,
-                              summary.runs >= least_for_interval
-                                  ? fmt::format(" ({}, 95 % Wilson)", wilson_text(summary.success))
-                                  : std::string(),
-                              shares_text(spec)),
-                  columns, "", "    ");
-      out += strategy_table(summary, measured, kind == ReportKind::full, columns);
-      if (measured) out += pooled_text(summary, columns);
+      out += wrap(
+          fmt::format("solved {}/{} runs{} · {}", runs.solved, runs.runs,
+                      runs.runs >= least_for_interval ? fmt::format(" ({}, 95 % Wilson)", wilson_text(runs.success))
+                                                      : std::string(),
+                      shares),
+          columns, "", "    ");
+      out += strategy_table(runs, experiment.measured, kind == ReportKind::full, columns);
+      if (experiment.measured) out += pooled_text(runs, columns);
     }
-    out += summary_section(experiment, result, problem, rows, columns);
-  };
-
-  if (experiment.problems.size() > most_single_problems) {
-    section("",
-            fmt::format("{} problems taken together ({} … {}), {} in all for each strategy", experiment.problems.size(),
-                        experiment.problems.front().name, experiment.problems.back().name,
-                        plural(experiment.problems.size() * experiment.seeds.size(), "run")));
-  } else {
-    for (const auto& problem : experiment.problems) {
-      section(problem.name, fmt::format("{}, {}", problem.name, seeds_text(experiment.seeds)));
-    }
+    out += summary_section(experiment, *problem, columns);
   }
   return out;
 }

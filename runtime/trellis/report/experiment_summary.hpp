@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <trellis/report/summary.hpp>
+#include <trellis/report/verdict.hpp>
+
+namespace trellis {
+
+/// The runs of a strategy on a problem or on all problems together.
+struct StrategySummary {
+  std::string strategy;
+  RunsSummary runs;
+  std::vector<Verdict> verdicts;    ///< on its levels; empty for an ablation
+  std::vector<GuideVerdict> parts;  ///< on its guides without a level
+  std::string unsolved;             ///< why runs found no path, "" where all did
+};
+
+/// All strategies on a problem, or on all problems together.
+struct ProblemSummary {
+  std::string problem;                      ///< "": all problems together
+  std::vector<StrategySummary> strategies;  ///< in the order of ExperimentSummary::strategies
+  std::vector<Comparison> comparisons;
+  std::vector<std::string> warnings;  ///< of guides that perform worse than none
+  /// Why no run can find a path, or hardly one. Of the first problem with a strategy that solves fewer than half of its
+  /// runs; "" for others and where nothing is known.
+  std::string obstruction;
+};
+
+/// All that reports state of an experiment: computed once from its runs, or read from a document of results.
+struct ExperimentSummary {
+  struct Strategy {
+    std::string name;
+    std::string text;      ///< in the syntax of a script
+    std::string shares;    ///< "uniform share of proposals 0.05 at each guided level"
+    std::string ablation;  ///< "without shrink(0.5)"; "" for a strategy of the script
+    bool guided = false;
+  };
+  std::string script;   ///< the path as given on the command line, "" for none
+  std::string version;  ///< of the program that ran it
+  std::vector<Strategy> strategies;
+  std::vector<std::uint64_t> seeds;
+  std::string baseline;   ///< the strategy that the others are compared with, "" for none
+  double ablation = 0.0;  ///< Experiment::ablation
+  bool spatial = false;   ///< whether the first problem's world has three dimensions
+  bool measured = false;  ///< whether sampling efficiency was computed
+  /// Of the measure: the target in words, the estimators with a value, a sentence that compares the guides' tubes with
+  /// the target, and the values that are omitted to save time.
+  std::string target;
+  std::vector<std::string> estimators;
+  std::string tubes;
+  std::string omitted;
+  std::vector<ProblemSummary> problems;
+  std::optional<ProblemSummary> together;  ///< none for a single problem
+
+  /// The problems that printed reports list: one by one up to `most_single_problems`, else all together.
+  [[nodiscard]] std::vector<const ProblemSummary*> listed() const;
+};
+
+/// Summarises the runs of an experiment. Repeats some collision checks of rejected proposals, at most 200 of a level
+/// and run. \param script  the path as given on the command line, "" for none
+ExperimentSummary summarise(const Experiment& experiment, const ExperimentResult& result,
+                            const std::string& script = "");
+
+/// Whether fewer than half of the runs found a path, or the only one did not.
+bool mostly_unsolved(const RunsSummary& summary);
+
+/// Returns a sentence, with its evidence, for each strategy whose guide performs worse than no guide: it solves fewer
+/// runs or costs more validity checks than an unguided baseline, or its root's nodes are less efficient than uniform
+/// samples, beyond the interval in each case. Omits strategies with too few runs for an interval.
+std::vector<std::string> guide_warnings(const std::vector<ExperimentSummary::Strategy>& strategies,
+                                        const ProblemSummary& problem);
+
+}  // namespace trellis

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The document of results is enough for every report.
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/report/records.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/stored_summary.hpp>
+
+#include "report_fixture.hpp"
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+/// Runs with ablations, a guide without a level, metrics, several estimators, an unsolved problem and other seeds.
+Experiment experiment_of_all() {
+  Experiment experiment;
+  for (const auto& [name, wall] : {std::pair{"low", 6.0}, std::pair{"high", 10.0}}) {
+    experiment.problems.push_back(
+        test::make_problem(name, test::rectangle_world({{4.0, 0.0, 5.0, wall}}), Robot::point(), {1, 1}, {9, 1}));
+  }
+  const PlannerSpec planner = PlannerSpec::make("rrt", {{"step", 0.5}, {"proposals", 400.0}});
+  const GuideSpec guides = GuideSpec::make("skeleton", {}) + GuideSpec::make("goal_bias", {{"share", 0.2}});
+  experiment.strategies = {{"rrt", StrategySpec(planner)}, {"guided", StrategySpec(planner, guides)}};
+  experiment.seeds = {1, 2, 3, 4, 5, 6};
+  TubeSettings tube;
+  tube.points = 64;
+  tube.pool = 256;
+  Measure measure{.target = tube, .cross = 2, .cross_levels = true, .metrics = true};
+  measure.estimators = {EstimatorSpec::make("knn"), EstimatorSpec::make("exact"), EstimatorSpec::make("arc")};
+  experiment.measure = measure;
+  ablate(experiment, {"guided"});
+  return experiment;
+}
+
+/// Returns the first difference of two documents with its surroundings, "" for none.
+std::string difference(const std::string& a, const std::string& b) {
+  const auto [at, there] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  if (at == a.end() && there == b.end()) return "";
+  const auto from = static_cast<std::size_t>(at - a.begin());
+  const std::size_t begin = from - std::min<std::size_t>(from, 200);
+  return a.substr(begin, 300) + "\nbut\n" + b.substr(begin, 300);
+}
+
+void check_same(const Experiment& experiment, const ExperimentResult& result) {
+  const ExperimentSummary summary = summarise(experiment, result, "a script.lua");
+  const std::string document = report_json(experiment, result, summary);
+  const ExperimentSummary stored = read_summary(document, "results.json");
+  CHECK(difference(document, report_json(experiment, result, stored)) == "");
+  CHECK(summary_text(stored, 120) == summary_text(summary, 120));
+  for (const ReportKind kind : {ReportKind::overview, ReportKind::levels, ReportKind::efficiency, ReportKind::full}) {
+    for (const int width : {60, 100, 200}) {
+      CAPTURE(kind, width);
+      CHECK(report_text(stored, width, kind) == report_text(summary, width, kind));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("reports of a stored document are those of its run", "[report][json]") {
+  SECTION("of scored runs") {
+    const auto [experiment, result] = fixture::passage();
+    check_same(experiment, result);
+  }
+  SECTION("of a hundred problems, which are reported together") {
+    const auto [experiment, result] = fixture::queries();
+    check_same(experiment, result);
+  }
+  SECTION("of runs with all that a report can state") {
+    const Experiment experiment = experiment_of_all();
+    const ExperimentResult result = run(experiment);
+    const std::string text = report_text(summarise(experiment, result), 160, ReportKind::levels);
+    for (const char* words : {"goal_bias(0.2)", "no run on high can succeed", "proposals rejected"}) {
+      CAPTURE(words);
+      const bool next = std::string(words).starts_with("no run");
+      const std::string in = next ? report_text(summarise(experiment, result), 100, ReportKind::overview) : text;
+      CHECK(in.find(words) != std::string::npos);
+    }
+    check_same(experiment, result);
+  }
+  SECTION("of runs that were not scored") {
+    Experiment experiment = experiment_of_all();
+    experiment.measure.reset();
+    check_same(experiment, run(experiment));
+  }
+}
+
+TEST_CASE("a document of runs alone has no summary", "[report][json]") {
+  const auto [experiment, result] = fixture::passage();
+  std::string document = runs_document_begin("a.lua", experiment_line(experiment));
+  document += runs_document_run(run_line(result.runs.front()), true) + runs_document_end(true);
+  CHECK(read_summary(document, "results.json").problems.empty());
+}
+
+TEST_CASE("another document is refused by its name", "[report][json]") {
+  for (const char* text : {"", "{}", "[1, 2]", R"({"experiment": 3})", "nonsense"}) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH(read_summary(text, "other.json"),
+                      "other.json: this is no document that trellis run --json writes");
+  }
+}
