@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/latex.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/views/latex.hpp>
 
 namespace trellis::command {
 

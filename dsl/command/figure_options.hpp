@@ -7,7 +7,7 @@
 #include <string>
 
 #include <dsl/command/command_line.hpp>
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
 
 namespace trellis::command {
 

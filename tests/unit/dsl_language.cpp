@@ -14,7 +14,7 @@
 
 #include <dsl/language/tools/vocabulary.hpp>
 #include <dsl/language/tools/words.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/registry.hpp>
 

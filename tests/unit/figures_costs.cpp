@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/charts/costs_figures.hpp>
 #include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/parameter_sweeps.hpp>

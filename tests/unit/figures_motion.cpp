@@ -2,7 +2,7 @@
 // Motions in spaces of two dimensions, as files.
 #include <string>
 
-#include <trellis/figures/figures.hpp>
+#include <trellis/figures/scene_figures.hpp>
 #include <trellis/report/report.hpp>
 
 #include "report_fixture.hpp"

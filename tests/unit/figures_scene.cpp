@@ -10,7 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/planar.hpp>
-#include <trellis/figures/figures.hpp>
+#include <trellis/figures/scene_figures.hpp>
 #include <trellis/report/report.hpp>
 
 #include "report_fixture.hpp"

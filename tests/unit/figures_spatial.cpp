@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/figures/figures.hpp>
+#include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 
 #include "report_folder.hpp"

@@ -9,7 +9,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/figures.hpp>
-#include <trellis/figures/figures.hpp>
+#include <trellis/figures/charts/figures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/words.hpp>

@@ -10,7 +10,7 @@
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/common_options.hpp>
 #include <trellis/report/explanation.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/verdict.hpp>
 
 #include "support/catch.hpp"

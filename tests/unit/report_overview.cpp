@@ -9,11 +9,11 @@
 #include <vector>
 
 #include <trellis/experiment/rejections.hpp>
-#include <trellis/report/glossary.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/table.hpp>
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
+#include <trellis/report/views/glossary.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include <trellis/measure/efficiency.hpp>
-#include <trellis/report/latex.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/views/latex.hpp>
 #include <trellis/report/words.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"

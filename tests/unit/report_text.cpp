@@ -4,7 +4,7 @@
 
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/golden.hpp"
@@ -53,19 +53,19 @@ TEST_CASE("parts of the report are what the report has of them", "[report]") {
   CHECK(summary.find("compared with") != std::string::npos);
   CHECK(whole.find(summary) != std::string::npos);
   const RunResult& run = result.runs.back();
-  CHECK(levels_text(run).find("all levels") != std::string::npos);
-  CHECK(levels_text(run).find("nats") == std::string::npos);
-  CHECK(efficiency_text(run).find("nats") != std::string::npos);
+  CHECK(levels_text(summarise(run)).find("all levels") != std::string::npos);
+  CHECK(levels_text(summarise(run)).find("nats") == std::string::npos);
+  CHECK(efficiency_text(summarise(run)).find("nats") != std::string::npos);
   RunResult unsolved = fixture::plain_run("wall", 1, false);
-  CHECK(efficiency_text(unsolved) == "no path, so no target to score against\n");
-  CHECK(levels_text(unsolved).find("0/1") != std::string::npos);
+  CHECK(efficiency_text(summarise(unsolved)) == "no path, so no target to score against\n");
+  CHECK(levels_text(summarise(unsolved)).find("0/1") != std::string::npos);
 }
 
 TEST_CASE("the report says what guides spent, where there are any", "[report]") {
   const auto [experiment, result] = fixture::passage();
-  const std::string guided = levels_text(result.runs.back());
+  const std::string guided = levels_text(summarise(result.runs.back()));
   CHECK(guided.find("validity checks by") != std::string::npos);
-  const std::string alone = levels_text(result.runs.front());
+  const std::string alone = levels_text(summarise(result.runs.front()));
   CHECK(alone.find("validity checks by") == std::string::npos);
   CHECK(alone.find("guided") == std::string::npos);
 }
@@ -205,5 +205,6 @@ TEST_CASE("samples of all seeds together come first, and single runs that differ
   }
   // Fewer than five seeds are not enough.
   result.pooled.front().seeds = 3;
-  CHECK(headline(summarise(experiment, result, "simple_passage", "nested").levels.front(), SampleRole::tree).seeds == 0);
+  CHECK(headline(summarise(experiment, result, "simple_passage", "nested").levels.front(), SampleRole::tree).seeds ==
+        0);
 }

@@ -12,7 +12,7 @@
 #include <dsl/language/core/types.hpp>
 #include <dsl/language/words/algebra.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 
 namespace trellis::command {
 

@@ -34,8 +34,8 @@
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/table.hpp>
 #include <trellis/report/tuning.hpp>
+#include <trellis/report/views/table.hpp>
 
 namespace trellis::command {
 
@@ -276,7 +276,7 @@ class Verbs {
   }
 
   int levels(Stack& call) {
-    say(levels_text(only_run(call, "levels")->result(), width()));
+    say(levels_text(summarise(only_run(call, "levels")->result()), width()));
     return 0;
   }
 
@@ -315,7 +315,7 @@ class Verbs {
                               dsl::describe(call[next])));
     }
     score(run, measure, state_.interrupted);
-    say(efficiency_text(run.result(), width()));
+    say(efficiency_text(summarise(run.result()), width()));
     return 0;
   }
 

@@ -19,7 +19,7 @@
 #include <trellis/base/errors.hpp>
 #include <trellis/base/printable.hpp>
 #include <trellis/report/files.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 
 namespace trellis::command {
 

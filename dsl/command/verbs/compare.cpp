@@ -12,7 +12,7 @@
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/charts/costs_figures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 

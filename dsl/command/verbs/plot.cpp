@@ -17,10 +17,10 @@
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/figures/costs_figures.hpp>
-#include <trellis/figures/figures.hpp>
+#include <trellis/figures/charts/costs_figures.hpp>
+#include <trellis/figures/charts/figures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
 #include <trellis/figures/html.hpp>
-#include <trellis/figures/pictures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>

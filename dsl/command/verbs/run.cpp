@@ -33,10 +33,11 @@
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/unused.hpp>
-#include <trellis/figures/costs_figures.hpp>
-#include <trellis/figures/figures.hpp>
+#include <trellis/figures/charts/costs_figures.hpp>
+#include <trellis/figures/charts/figures.hpp>
 #include <trellis/figures/gltf.hpp>
 #include <trellis/figures/html.hpp>
+#include <trellis/figures/scene_figures.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>

@@ -12,8 +12,8 @@
 #include <dsl/language/tools/catalogue.hpp>
 #include <dsl/language/tools/words.hpp>
 #include <trellis/guide/guide.hpp>
-#include <trellis/report/glossary.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/glossary.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {

@@ -125,6 +125,25 @@ std::vector<std::size_t> order_of_cells(const Experiment& experiment) {
 
 }  // namespace
 
+std::string target_text(const TargetSpec& target) {
+  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
+    return fmt::format(
+        "{} within {:g} m ({}) of the path",
+        tube->support == TubeSettings::Support::free ? "valid configurations" : "configurations, valid or not,",
+        tube->delta, tube->distance == TubeSettings::Distance::planar ? "position only, all headings" : "full metric");
+  }
+  if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
+    return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);
+  }
+  if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
+    return fmt::format(
+        "motions that come closer to the goal, by rank among those that the planner could choose, straight ones of "
+        "{:g} m",
+        progress->step);
+  }
+  return "the script's own";
+}
+
 std::string target_name(const TargetSpec& target) {
   if (std::holds_alternative<TubeSettings>(target)) return tube_settings().component().name;
   if (std::holds_alternative<NearOptimalSettings>(target)) return near_optimal_settings().component().name;

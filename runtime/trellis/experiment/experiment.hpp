@@ -49,6 +49,8 @@ struct UserTarget : TargetSettings {
 using TargetSpec = std::variant<TubeSettings, NearOptimalSettings, ProgressSettings, UserTarget>;
 /// Returns the name of its component: "tube", "near_optimal", "progress", "target".
 std::string target_name(const TargetSpec& target);
+/// Returns it in words: "valid configurations within 0.5 m (full metric) of the path".
+std::string target_text(const TargetSpec& target);
 const TargetSettings& common_settings(const TargetSpec& target);
 
 /// How to score an experiment's samples.
@@ -196,8 +198,6 @@ struct LeftOut {
   /// none. A run that was cut off at `most_left_out_work` counts as unsolved.
   std::vector<CensoredCost> costs;
 };
-/// A sign test of fewer pairs is never significant at 5 %.
-inline constexpr std::size_t least_tested_seeds = 6;
 /// A run without a guide ends after so many times the work of the run with it.
 inline constexpr double most_left_out_work = 20.0;
 

@@ -16,8 +16,9 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/draw/text.hpp>
-#include <trellis/figures/costs_figures.hpp>
-#include <trellis/figures/figures.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/figures/charts/costs_figures.hpp>
+#include <trellis/figures/charts/figures.hpp>
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/html_content.hpp>
 #include <trellis/figures/html_parts.hpp>

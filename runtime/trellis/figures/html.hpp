@@ -5,7 +5,6 @@
 #include <functional>
 #include <string>
 
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {

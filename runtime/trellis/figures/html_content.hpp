@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {
+
+struct RunResult;
 
 /// The end of one run, in words.
 struct HtmlOutcome {

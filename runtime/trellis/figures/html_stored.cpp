@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/figures/html_content.hpp>
+#include <trellis/planner/planner.hpp>
 
 namespace trellis {
 

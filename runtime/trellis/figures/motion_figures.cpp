@@ -12,8 +12,8 @@
 #include <trellis/collision/checker.hpp>
 #include <trellis/draw/motion.hpp>
 #include <trellis/draw/spatial.hpp>
-#include <trellis/figures/figures.hpp>
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
+#include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>

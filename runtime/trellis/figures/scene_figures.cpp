@@ -13,8 +13,8 @@
 #include <trellis/base/parallel.hpp>
 #include <trellis/draw/planar.hpp>
 #include <trellis/draw/spatial.hpp>
-#include <trellis/figures/figures.hpp>
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
+#include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>

@@ -66,4 +66,7 @@ struct PairedCosts {
 /// \throws Error for lists of different lengths.
 PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const CensoredCost> reference);
 
+/// A sign test of fewer pairs is never significant at 5 %.
+inline constexpr std::size_t least_tested_seeds = 6;
+
 }  // namespace trellis

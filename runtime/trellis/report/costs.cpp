@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/statistics.hpp>
 
 namespace trellis {

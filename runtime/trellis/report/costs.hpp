@@ -8,10 +8,9 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/experiment_summary.hpp>
-#include <trellis/strategy/executor.hpp>
+#include <trellis/strategy/improvement.hpp>
 
 /// Compares the costs of strategies: validity checks of all levels until the first path, and CPU time, paired by seed,
 /// from the documents of `trellis run --json`.

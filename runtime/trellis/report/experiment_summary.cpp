@@ -10,11 +10,13 @@
 #include <variant>
 
 #include <trellis/base/version.hpp>
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/left_out.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
 
@@ -195,6 +197,17 @@ std::vector<const ProblemSummary*> ExperimentSummary::listed() const {
   std::vector<const ProblemSummary*> all;
   for (const ProblemSummary& one : problems) all.push_back(&one);
   return all;
+}
+
+std::vector<Verdict> verdicts_on(const StrategySummary& strategy, std::size_t level, const PartSummary& part) {
+  std::vector<Verdict> verdicts;
+  for (const GuideVerdict& one : strategy.parts) {
+    const std::string key = one.key.substr(0, one.key.rfind('/'));
+    const bool here = key == (level == 0 ? "0" : guide_key(strategy.runs.levels[level].key));
+    // Guides of one name are numbered: "goal_bias(0.2) #2".
+    if (here && one.guide.substr(0, one.guide.find(" #")) == part.name) verdicts.push_back(one.verdict);
+  }
+  return verdicts;
 }
 
 ExperimentSummary summarise(const Experiment& experiment, const ExperimentResult& result, const std::string& script) {

@@ -69,6 +69,10 @@ ExperimentSummary summarise(const Experiment& experiment, const ExperimentResult
 /// Whether fewer than half of the runs found a path, or the only one did not.
 bool mostly_unsolved(const RunsSummary& summary);
 
+/// Returns the verdicts on a part of a level's guide that has no level itself.
+/// \param level  index into RunsSummary::levels
+std::vector<Verdict> verdicts_on(const StrategySummary& strategy, std::size_t level, const PartSummary& part);
+
 /// Returns a sentence, with its evidence, for each strategy whose guide performs worse than no guide: it solves fewer
 /// runs or costs more validity checks than an unguided baseline, or its root's nodes are less efficient than uniform
 /// samples, beyond the interval in each case. Omits strategies with too few runs for an interval.

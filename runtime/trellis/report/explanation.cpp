@@ -14,7 +14,7 @@
 
 #include <trellis/planner/common_options.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/report/words.hpp>
 #include <trellis/strategy/combinators.hpp>
 

@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/measures.hpp>

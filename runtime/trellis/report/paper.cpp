@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/experiment_summary.hpp>
 
 namespace trellis {
@@ -24,10 +23,10 @@ const std::vector<std::string>& report_kinds();
 /// `width` columns where the content allows; an overview fits into 100.
 std::string report_text(const ExperimentSummary& experiment, int width = 160, ReportKind kind = ReportKind::full);
 
-/// A part of the printed report: the search of each level of one run.
-std::string levels_text(const RunResult& run, int width = 160);
-/// A part of the printed report: how each level of one run samples, where it was scored.
-std::string efficiency_text(const RunResult& run, int width = 160);
+/// A part of the printed report: the search of each level.
+std::string levels_text(const RunsSummary& run, int width = 160);
+/// A part of the printed report: how each level samples, where it was scored.
+std::string efficiency_text(const RunsSummary& run, int width = 160);
 /// A part of the printed report: the strategies and their comparisons, problem by problem.
 std::string summary_text(const ExperimentSummary& experiment, int width = 160);
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include <trellis/strategy/executor.hpp>
+#include <trellis/strategy/resolves.hpp>
 
 namespace trellis {
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/records.hpp>
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <string_view>
 
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 

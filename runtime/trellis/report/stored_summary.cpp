@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/search_metrics.hpp>
 #include <trellis/report/measures.hpp>
 #include <trellis/report/resolves.hpp>
 

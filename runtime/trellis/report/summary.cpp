@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/experiment/rejections.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/report/measures.hpp>
@@ -517,6 +518,11 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   result.beside = summarise_beside(runs);
   add_waterfalls(result);
   return result;
+}
+
+RunsSummary summarise(const RunResult& run) {
+  const RunResult* one = &run;
+  return summarise({&one, 1});
 }
 
 namespace {

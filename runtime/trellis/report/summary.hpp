@@ -12,11 +12,16 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/censored_cost.hpp>
+#include <trellis/measure/efficiency.hpp>
 #include <trellis/measure/statistics.hpp>
+#include <trellis/strategy/resolves.hpp>
 
 namespace trellis {
+
+struct Experiment;
+struct ExperimentResult;
+struct RunResult;
 
 /// The statistics of one role over the runs of a group, each with its interval. Means use the estimates themselves;
 /// means of divergences that fall below their bound, and their intervals, are clipped at the bound. A run without a
@@ -262,6 +267,7 @@ std::vector<std::uint64_t> parse_key(const std::string& key);
 CensoredCost path_cost(const RunResult& run);
 
 RunsSummary summarise(std::span<const RunResult* const> runs);
+RunsSummary summarise(const RunResult& run);
 /// The runs of a strategy on a problem or, with "", on all, with their samples of all seeds together and the obstacles
 /// that rejected proposals.
 RunsSummary summarise(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {

@@ -8,6 +8,8 @@
 #include <limits>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/left_out.hpp>
 #include <trellis/report/words.hpp>
 #include <trellis/strategy/ablation.hpp>
 

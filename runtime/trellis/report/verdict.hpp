@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/left_out.hpp>
 #include <trellis/report/summary.hpp>
 
 namespace trellis {

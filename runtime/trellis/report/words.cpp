@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <variant>
 
 namespace trellis {
 
@@ -95,25 +94,6 @@ std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
   for (std::size_t i = 1; i < seeds.size(); ++i) consecutive = consecutive && seeds[i] == seeds[i - 1] + 1;
   return consecutive ? fmt::format("{} seeds ({}–{})", seeds.size(), seeds.front(), seeds.back())
                      : fmt::format("{} seeds", seeds.size());
-}
-
-std::string target_text(const TargetSpec& target) {
-  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
-    return fmt::format(
-        "{} within {:g} m ({}) of the path",
-        tube->support == TubeSettings::Support::free ? "valid configurations" : "configurations, valid or not,",
-        tube->delta, tube->distance == TubeSettings::Distance::planar ? "position only, all headings" : "full metric");
-  }
-  if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
-    return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);
-  }
-  if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
-    return fmt::format(
-        "motions that come closer to the goal, by rank among those that the planner could choose, straight ones of "
-        "{:g} m",
-        progress->step);
-  }
-  return "the script's own";
 }
 
 char mark_of(const std::string& flag) {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/statistics.hpp>
 
 namespace trellis {
@@ -40,7 +39,6 @@ std::string plural(std::size_t n, const std::string& noun);
 std::string plural_y(std::size_t n, const std::string& stem);
 /// "15 seeds (1–15)".
 std::string seeds_text(const std::vector<std::uint64_t>& seeds);
-std::string target_text(const TargetSpec& target);
 /// Shortens a level's name: "shrink { 0.75, resolves = 10 }" becomes "shrink(0.75)" unless it fits.
 std::string short_level(const std::string& name, std::size_t longest);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/glossary.hpp>
+#include <trellis/report/views/glossary.hpp>
 
 namespace trellis {
 

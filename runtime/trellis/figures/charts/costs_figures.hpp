@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
 #include <trellis/report/costs.hpp>
 
 namespace trellis {

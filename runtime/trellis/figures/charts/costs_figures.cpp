@@ -9,8 +9,8 @@
 #include <limits>
 #include <map>
 
-#include <trellis/figures/costs_figures.hpp>
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/costs_figures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>

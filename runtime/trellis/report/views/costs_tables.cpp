@@ -12,7 +12,7 @@
 #include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/csv.hpp>
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/table.hpp>
+#include <trellis/report/views/table.hpp>
 
 #include <algorithm>
 #include <numeric>

@@ -9,10 +9,10 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/report/experiment_summary.hpp>
-#include <trellis/report/overview.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/table.hpp>
-#include <trellis/report/tables.hpp>
+#include <trellis/report/views/overview.hpp>
+#include <trellis/report/views/table.hpp>
+#include <trellis/report/views/tables.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
@@ -759,18 +759,11 @@ std::string summary_section(const ExperimentSummary& experiment, const ProblemSu
          comparison_tables(problem.comparisons, experiment.measured, columns) + warnings_text(problem, columns);
 }
 
-RunsSummary summary_of(const RunResult& run) {
-  const RunResult* one = &run;
-  return summarise({&one, 1});
-}
-
 }  // namespace
 
-std::string levels_text(const RunResult& run, int width) { return search_table(summary_of(run), columns_of(width)); }
+std::string levels_text(const RunsSummary& run, int width) { return search_table(run, columns_of(width)); }
 
-std::string efficiency_text(const RunResult& run, int width) {
-  return efficiency_tables(summary_of(run), columns_of(width));
-}
+std::string efficiency_text(const RunsSummary& run, int width) { return efficiency_tables(run, columns_of(width)); }
 
 std::string summary_text(const ExperimentSummary& experiment, int width) {
   std::string out;

@@ -11,12 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/report/overview.hpp>
 #include <trellis/report/resolves.hpp>
-#include <trellis/report/table.hpp>
-#include <trellis/report/tables.hpp>
+#include <trellis/report/views/overview.hpp>
+#include <trellis/report/views/table.hpp>
+#include <trellis/report/views/tables.hpp>
 #include <trellis/report/words.hpp>
-#include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
 
@@ -230,14 +229,7 @@ void add_parts(Table& table, const Row& row, std::size_t level, std::size_t inde
     cells.front() = shortened(std::string(indent, ' ') + "+ " + part.name, longest_label);
     cells.back() = fmt::format("draws {} % of proposals", percent(part.share));
     std::vector<std::string> verdicts;
-    for (const GuideVerdict& one : row.of->parts) {
-      const std::string key = one.key.substr(0, one.key.rfind('/'));
-      const bool here = key == (level == 0 ? "0" : guide_key(row.runs().levels[level].key));
-      // Guides of one name are numbered: "goal_bias(0.2) #2".
-      if (here && one.guide.substr(0, one.guide.find(" #")) == part.name) {
-        verdicts.push_back(verdict_text(one.verdict));
-      }
-    }
+    for (const Verdict& one : verdicts_on(*row.of, level, part)) verdicts.push_back(verdict_text(one));
     if (!verdicts.empty()) cells.back() = fmt::format("{}; {}", fmt::join(verdicts, ", "), cells.back());
     table.add(std::move(cells));
   }

@@ -10,8 +10,8 @@
 #include <trellis/base/parallel.hpp>
 #include <trellis/draw/chart.hpp>
 #include <trellis/draw/figures.hpp>
-#include <trellis/figures/figures.hpp>
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/figures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>

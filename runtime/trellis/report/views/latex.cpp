@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/latex.hpp>
+#include <trellis/report/views/latex.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/charts/pictures.hpp>
 
 #include <fmt/format.h>
 
