@@ -326,6 +326,10 @@ TEST_CASE("what rejects most proposals is found", "[report]") {
   CHECK(found.by[0].first == "obstacle 1");
   CHECK(found.by[1].first == "obstacle 2");
   CHECK(found.by[1].second == 1);
+  // The space of a projection that drops an axis of the robot.
+  level.scene = std::make_shared<PlanarScene>(world, test::rectangle_robot(0.2, 0.1));
+  CHECK(rejections(level, 0.05).rejected == 0);
+  level.scene = std::make_shared<PlanarScene>(world, Robot::point());
   level.presumed = true;
   CHECK(rejections(level, 0.05).rejected == 0);
 }

@@ -19,7 +19,8 @@ struct Rejections {
 };
 
 /// Examines at most `most` rejected proposals, evenly spread over the search, along the straight motion from the node
-/// that each extended. A level with presumed validity has no rejections. Repeats collision checks of the run, which do
+/// that each extended. A level with presumed validity has no rejections, nor has
+/// one whose space has fewer axes than its robot. Repeats collision checks of the run, which do
 /// not count.
 /// \param resolution  metres that the robot's fastest point moves between two configurations, > 0
 Rejections rejections(const LevelRecord& level, double resolution, std::size_t most = 200);
