@@ -428,11 +428,11 @@ TEST_CASE("a run ends at its limit of work, and its set-up is counted for it alo
   const StrategySpec strategy = guide("skeleton") >> guide("shrink") >> rrt();
   const auto whole = execute(strategy, test::cup_problem(), 1);
   REQUIRE(whole.solved);
-  const auto cut = execute(strategy, test::cup_problem(), 1, {.lift = false, .work_limit = 0.5 * whole.work});
+  const auto cut = execute(strategy, test::cup_problem(), 1, {.measured = false, .work_limit = 0.5 * whole.work});
   CHECK(cut.status == Status::interrupted);
   CHECK(cut.work >= 0.5 * whole.work);
   CHECK(cut.work < whole.work);
-  const auto same = execute(strategy, test::cup_problem(), 1, {.lift = false, .work_limit = 2.0 * whole.work});
+  const auto same = execute(strategy, test::cup_problem(), 1, {.measured = false, .work_limit = 2.0 * whole.work});
   CHECK(same.validity_checks == whole.validity_checks);
   CHECK(same.work == whole.work);
   if (whole.bounded.guides_set_up) CHECK(whole.set_up > whole.bounded.set_up);
@@ -617,4 +617,21 @@ TEST_CASE("an error in a projection names all levels up to the root", "[executor
       "script.lua:7: in skeleton() >> shrink(0.5) >> lazy() >> rrt, level 3 (problem 'arm', seed 1): skeleton: needs "
       "a robot whose reference point moves in the plane, or an arm of two links or more that is fixed to its base; the "
       "robot 'arm' has one joint, so that its tip stays on a circle");
+}
+
+TEST_CASE("a run that is not measured plans the same, and records no densities", "[executor]") {
+  const StrategySpec strategy = guide("skeleton") >> guide("shrink") >> rrt();
+  const auto measured = execute(strategy, test::cup_problem(), 3);
+  const auto other = execute(strategy, test::cup_problem(), 3, {.measured = false});
+  REQUIRE(measured.solved);
+  CHECK(same(other.path, measured.path));
+  REQUIRE(other.levels.size() == measured.levels.size());
+  for (std::size_t i = 0; i < measured.levels.size(); ++i) {
+    CHECK(same(other.levels[i].search.proposals, measured.levels[i].search.proposals));
+    CHECK(same(other.levels[i].search.nodes, measured.levels[i].search.nodes));
+    CHECK_FALSE(other.levels[i].proposal_density);
+    CHECK(other.levels[i].lifted_nodes.empty());
+  }
+  CHECK(measured.levels.front().proposal_density);
+  CHECK_FALSE(measured.levels.back().lifted_nodes.empty());
 }

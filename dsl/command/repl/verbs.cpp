@@ -664,7 +664,7 @@ class Verbs {
     std::vector<CensoredCost> checks;
     for (std::uint64_t seed = 1; seed <= count && !state_.interrupted(); ++seed) {
       const RunRecord run =
-          run_cell(name, strategy, problem, seed, {.interrupted = state_.interrupted, .lift = false}).run;
+          run_cell(name, strategy, problem, seed, {.interrupted = state_.interrupted, .measured = false}).run;
       if (run.status == Status::interrupted) break;
       milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
       checks.push_back({static_cast<double>(run.validity_checks), run.solved});

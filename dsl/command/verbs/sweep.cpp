@@ -77,7 +77,7 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
       const auto& [name, spec] = experiment.strategies[cell / seeds % strategies];
       RunResult run =
           run_cell(name, spec, experiment.problems[cell / seeds / strategies], experiment.seeds[cell % seeds],
-                   {.shortcut = experiment.shortcut, .interrupted = interrupted, .lift = false});
+                   {.shortcut = experiment.shortcut, .interrupted = interrupted, .measured = false});
       if (run.run.status == Status::interrupted) throw Interrupted();
       if (cell % seeds == 0) {
         check_unused_guides(spec, experiment.problems[cell / seeds / strategies], run.run);

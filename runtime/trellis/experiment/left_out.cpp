@@ -101,7 +101,7 @@ class ProblemAblation {
         try {
           const RunRecord run =
               execute(rest.strategy, problem_, experiment_.seeds[seed],
-                      {.interrupted = options.interrupted, .lift = false, .work_limit = limit(rest, seed)});
+                      {.interrupted = options.interrupted, .measured = false, .work_limit = limit(rest, seed)});
           if (options.interrupted && options.interrupted()) throw Interrupted();
           work[i] = run.work;
           // An anytime planner that was cut off has its first path all the same.

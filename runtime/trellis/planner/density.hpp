@@ -43,6 +43,8 @@ class Density {
 /// form. Its memory grows with the number of distinct densities, not with the number of proposals.
 class DensityRecord {
  public:
+  /// From now on counts nothing: then the record has no closed form.
+  void disable() { enabled_ = false; }
   /// Counts a proposal that h has just drawn. Calls Guidance::record only if the distribution of h may have changed.
   void served(const Guidance& h);
   /// Adds the proposals of another record over the same space.
@@ -89,6 +91,7 @@ class DensityRecord {
   void flush();
   void renew(const Guidance& h);
 
+  bool enabled_ = true;
   double served_ = 0.0;          ///< proposals drawn from the current distribution
   std::uint64_t epoch_ = never;  ///< of the current distribution
   Weights now_;                  ///< of one proposal

@@ -166,6 +166,7 @@ class GoalGuidance final : public Guidance {
 };
 
 inline void DensityRecord::served(const Guidance& h) {
+  if (!enabled_) return;
   if (h.epoch() != epoch_) [[unlikely]]
     renew(h);
   served_ += 1.0;

@@ -40,6 +40,7 @@ class Companion {
     run.problem = beside.problem;
     run.seed = beside.seed;
     run.seeded = true;
+    run.densities = beside.densities;
     run.companion = true;
     run.interrupted = beside.interrupted;
     run.out_of_time = beside.out_of_time;

@@ -72,6 +72,7 @@ class Running {
     run_.problem = problem.name;
     run_.seed = seed;
     run_.seeded = true;
+    run_.densities = options.measured;
     run_.interrupted = options.interrupted;
     if (options.work_limit > 0.0) {
       run_.interrupted = [this] {
@@ -146,8 +147,8 @@ class Running {
     const Level* companion = companion_ ? &companion_->search().level() : nullptr;
     for (Level* level : run_.levels) {
       const Level* merged = level == &root_->level() ? companion : nullptr;
-      record.levels.push_back(ended_ ? level->take_record(options_.lift, merged)
-                                     : level->record_so_far(options_.lift, merged));
+      record.levels.push_back(ended_ ? level->take_record(options_.measured, merged)
+                                     : level->record_so_far(options_.measured, merged));
     }
     add_spent_below(record.levels);
     // The root's solution is the reported path.

@@ -158,7 +158,9 @@ struct ExecuteOptions {
   /// Called after each proposal and before its outcome, with the level and its current guidance. The level of the
   /// planner that runs beside a guided search has the number -1.
   std::function<void(const LevelRecord& level, const Guidance& h)> watch = {};
-  bool lift = true;  ///< whether records of lower levels get their nodes and proposals in the root's space
+  /// Whether records get what the measure needs besides the samples: the nodes and proposals of lower levels in the
+  /// root's space, and the densities of proposals.
+  bool measured = true;
   /// False: no unguided planner runs beside a guided search, whatever `bound` says, and guides are set up at once.
   bool companion = true;
   /// Work of all levels at which the run ends with Status::interrupted; 0: no limit.

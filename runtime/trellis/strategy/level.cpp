@@ -64,6 +64,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.presumed = !instance_->validity->spends_checks();
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
+  if (!run_.densities) record_.search.density.disable();
   guidance_.limit_slice([this] { return work_limit_ - work(); });
   run.levels.push_back(this);
 }

@@ -44,7 +44,8 @@ double thread_seconds();
 struct Run {
   std::string problem;  ///< name of the problem
   std::uint64_t seed = 0;
-  bool seeded = false;  ///< false if the strategy is only checked, not run
+  bool seeded = false;    ///< false if the strategy is only checked, not run
+  bool densities = true;  ///< whether levels record the densities of their proposals
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
