@@ -62,9 +62,9 @@ std::string_view status_name(Status status) {
 /// Has the same fields with or without a score, so that readers need only one schema.
 Json efficiency_json(const Efficiency* estimated) {
   if (estimated == nullptr) {
-    return {{"value", nullptr},      {"estimator", nullptr},  {"n", nullptr},
-            {"in_target", nullptr},  {"undefended", nullptr}, {"uniform", nullptr},
-            {"gain", nullptr},       {"coverage", nullptr},   {"uniform_coverage", nullptr},
+    return {{"value", nullptr},      {"estimator", nullptr},     {"n", nullptr},
+            {"in_target", nullptr},  {"unregularised", nullptr}, {"uniform", nullptr},
+            {"gain", nullptr},       {"coverage", nullptr},      {"uniform_coverage", nullptr},
             {"flags", Json::array()}};
   }
   const Efficiency bounded = shown(*estimated);
@@ -74,7 +74,7 @@ Json efficiency_json(const Efficiency* estimated) {
           {"estimator", exists ? Json(e->estimator) : Json(nullptr)},
           {"n", e->samples},
           {"in_target", exists ? Json(e->in_target) : Json(nullptr)},
-          {"undefended", number_or_inf(e->undefended)},
+          {"unregularised", number_or_inf(e->unregularised)},
           {"uniform", number(e->uniform)},
           {"gain", number(e->gain)},
           {"coverage", number(e->coverage)},
@@ -108,8 +108,8 @@ Json parts_json(const ChainRule& parts) {
 }
 
 Json estimate_json(const Estimate& e) {
-  return {{"D", number_or_inf(e.undefended)},
-          {"D_parts", parts_json(e.undefended_parts)},
+  return {{"D", number_or_inf(e.unregularised)},
+          {"D_parts", parts_json(e.unregularised_parts)},
           {"D_eps", number(e.value)},
           {"D_eps_parts", parts_json(e.parts)},
           {"D_eps0.01", number(e.light_value)},
@@ -665,7 +665,7 @@ Json experiment_json(const Experiment& experiment) {
     Json estimators = Json::array();
     for (const auto& estimator : m.estimators) estimators.push_back(estimator.text());
     measure["estimators"] = std::move(estimators);
-    measure["defence"] = {defence, light_defence};
+    measure["uniform_mix"] = {uniform_mix, light_uniform_mix};
     measure["cross"] = m.cross;
     measure["cross_levels"] = m.cross_levels;
     measure["metrics"] = m.metrics;

@@ -11,11 +11,11 @@ using E = const Efficiency&;
 
 // Of two that have the same interval in summaries (mass), the later one's values are averaged.
 constexpr auto quantities = std::to_array<MeasureQuantity>({
-    {nullptr, "D", [](E e) { return e.undefended; }, &Figure::undefended, true},
-    {"D_parts", "mass", [](E e) { return e.undefended_parts.mass; }, &Figure::mass, true},
-    {"D_parts", "spread", [](E e) { return e.undefended_parts.spread; }, &Figure::spread, true},
-    {"D_parts", "along", [](E e) { return e.undefended_parts.along; }, nullptr, false},
-    {"D_parts", "across", [](E e) { return e.undefended_parts.across; }, nullptr, true},
+    {nullptr, "D", [](E e) { return e.unregularised; }, &Figure::unregularised, true},
+    {"D_parts", "mass", [](E e) { return e.unregularised_parts.mass; }, &Figure::mass, true},
+    {"D_parts", "spread", [](E e) { return e.unregularised_parts.spread; }, &Figure::spread, true},
+    {"D_parts", "along", [](E e) { return e.unregularised_parts.along; }, nullptr, false},
+    {"D_parts", "across", [](E e) { return e.unregularised_parts.across; }, nullptr, true},
     {nullptr, "D_eps", [](E e) { return e.value; }, &Figure::value, false},
     {"D_eps_parts", "mass", [](E e) { return e.parts.mass; }, &Figure::mass_part, true},
     {"D_eps_parts", "spread", [](E e) { return e.parts.spread; }, &Figure::spread_part, true},

@@ -36,11 +36,11 @@ void estimate_fields(E& e, const Field& field) {
   field("estimator", e.estimator);
   field("value", e.value);
   field("light_value", e.light_value);
-  field("undefended", e.undefended);
+  field("unregularised", e.unregularised);
   field("gain", e.gain);
   field("js", e.js);
   field("parts", e.parts);
-  field("undefended_parts", e.undefended_parts);
+  field("unregularised_parts", e.unregularised_parts);
 }
 
 template <class A, class Field>
@@ -51,7 +51,7 @@ void along_fields(A& along, const Field& field) {
   field("target", along.target);
   field("samples", along.samples);
   field("corrected", along.corrected);
-  field("defended", along.defended);
+  field("regularised", along.regularised);
 }
 
 template <class E, class Field>

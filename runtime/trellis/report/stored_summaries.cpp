@@ -47,7 +47,7 @@ Figure figure(const Json& json) {
   const Json& along = json.at("along");
   for (const auto& [to, from] : {std::pair{&Figure::value, &json.at("D_eps")},
                                  std::pair{&Figure::light_value, &json.at("D_eps0.01")},
-                                 std::pair{&Figure::undefended, &json.at("D")},
+                                 std::pair{&Figure::unregularised, &json.at("D")},
                                  std::pair{&Figure::gain, &json.at("gain")},
                                  std::pair{&Figure::uniform, &json.at("D_uniform")},
                                  std::pair{&Figure::perfect, &json.at("D_perfect")},

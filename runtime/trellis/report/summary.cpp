@@ -90,7 +90,7 @@ void at_least(Interval& interval, double bound) {
 void bound_below(Figure& figure, double least) {
   constexpr double visible = 0.005;  // half of the last printed digit
   if (figure.value.value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
-  at_least(figure.undefended, figure.mass_lower95.value);
+  at_least(figure.unregularised, figure.mass_lower95.value);
   at_least(figure.value, least);
   const double most_gain = figure.uniform.value - least;
   for (double* x : {&figure.gain.value, &figure.gain.lo, &figure.gain.hi}) {
@@ -415,7 +415,7 @@ AboveUniform above_uniform(const Figure& figure) {
   const auto end = [](double bound, double value) { return std::isnan(bound) ? value : bound; };
   // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
   const double least = figure.perfect.value;
-  const double most = uniform - std::log(defence);
+  const double most = uniform - std::log(uniform_mix);
   const double lo = std::max(end(figure.value_lo.lo, figure.value_lo.value), least);
   const double hi = std::min(end(figure.value_hi.hi, figure.value_hi.value), most);
   return between(lo, hi, least, uniform, exact);

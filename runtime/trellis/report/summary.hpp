@@ -22,10 +22,10 @@ namespace trellis {
 /// means of divergences that fall below their bound, and their intervals, are clipped at the bound. A run without a
 /// score does not enter the intervals; `scored` is the number of scored runs.
 struct Figure {
-  Interval value;                                               ///< D_eps, the headline: SE, defended, nats
+  Interval value;                                               ///< D_eps, the headline: SE, regularised, nats
   Interval value_lo, value_hi;                                  ///< the ends of what the samples of a run support
   Interval light_value;                                         ///< the same with 1 % uniform
-  Interval undefended;                                          ///< D
+  Interval unregularised;                                       ///< D
   Interval gain;                                                ///< nats above uniform: uniform - SE
   Interval uniform;                                             ///< the divergence of uniform sampling
   Interval perfect;                                             ///< D_eps of samples of T itself

@@ -360,8 +360,8 @@ class MeasureRows {
     const std::string row = fmt::format("level {} {}", i, name);
     own_.add(level.own.*role, {row, "own"}, notes_);
     // The root's own target is the root's target: print it once.
-    Notes heard_already;
-    root_.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : notes_);
+    Notes discarded;
+    root_.add(level.root.*role, {row, "root"}, i == 0 ? discarded : notes_);
     cross_.add(level.root_cross.*role, {row, "other seeds'"}, notes_);
     const Headline first = headline(level, tree ? SampleRole::tree : SampleRole::expansion);
     any_pooled_ = any_pooled_ || first.seeds > 0;
@@ -406,24 +406,25 @@ class MeasureRows {
       const auto supported = [&](const std::string& text) { return blank ? "" : text; };
       const std::string covered =
           f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
-      std::vector<std::string> cells = {first ? lines_[k].label : "",
-                                        lines_[k].role,
-                                        std::to_string(f.scored),
-                                        count_text(f.samples),
-                                        count_text(f.in_target),
-                                        nats(f.uniform.value),
-                                        own[k],
-                                        divergence_text(f),
-                                        interval_text(f.mass_part),
-                                        supported(interval_text(f.spread_part)),
-                                        supported(std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value)),
-                                        nats(f.mass_lower95.value),
-                                        nats(f.along.value),
-                                        percent(f.empty_share.value),
-                                        covered,
-                                        nats(f.js.value),
-                                        root[k],
-                                        cross[k]};
+      std::vector<std::string> cells = {
+          first ? lines_[k].label : "",
+          lines_[k].role,
+          std::to_string(f.scored),
+          count_text(f.samples),
+          count_text(f.in_target),
+          nats(f.uniform.value),
+          own[k],
+          divergence_text(f),
+          interval_text(f.mass_part),
+          supported(interval_text(f.spread_part)),
+          supported(std::isinf(f.unregularised.value) ? "inf" : nats(f.unregularised.value)),
+          nats(f.mass_lower95.value),
+          nats(f.along.value),
+          percent(f.empty_share.value),
+          covered,
+          nats(f.js.value),
+          root[k],
+          cross[k]};
       if (any_pooled_) cells.push_back(pooled[k]);
       if (with_scale) cells.push_back(lines_[k].scale);
       table.add(std::move(cells));
@@ -875,7 +876,7 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
           "do cover it; oracle: samples of the target itself, perfect guidance; uniform: no guidance; D: the "
           "divergence with nothing mixed in, at least -log of the share in the target (95 %); along: the divergence "
           "of arc length along the path. docs/measure.md explains them.",
-          100.0 * defence),
+          100.0 * uniform_mix),
       width);
   out += wrap(fmt::format("Target: {}{}.{}{}{}", target_text(m.target), names.empty() ? "" : "; estimator: " + names,
                           tubes_text(experiment).empty() ? "" : " ", tubes_text(experiment), omitted_text(experiment)),

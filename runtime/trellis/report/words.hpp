@@ -61,7 +61,7 @@ inline constexpr std::array<Note, 11> notes = {{
     {'l', "lower bound", "at most: from mass and arc length alone, which do not show losses across the path"},
     {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
     {'w', "covers the space", "the target covers nearly the whole space: there is nothing to show"},
-    {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
+    {'i', "cannot reach", "D is infinite: part of the target is invalid, and these samples never are"},
 }};
 inline constexpr char median_mark = 'm';
 inline constexpr char other_mark = 'x';
