@@ -59,6 +59,7 @@ TEST_CASE("JSON holds every run and level", "[report][json]") {
     CHECK(out.at("status") == (run.run.solved ? "solved" : "budget_spent"));
     CHECK(out.at("solved") == run.run.solved);
     CHECK(out.at("time_s").get<double>() == run.run.seconds);  // to the last bit
+    CHECK(out.at("lua_s").get<double>() == run.run.lua_seconds);
     CHECK(out.at("validity_checks") == run.run.validity_checks);
     CHECK(out.at("motion_checks") == run.run.motion_checks);
     if (run.run.solved) {

@@ -101,8 +101,10 @@ std::string strategies_table(const Section& section, std::size_t width) {
   double slowest = 0.0;
   bool anytime = false;
   bool set_up = false;
+  bool lua = false;
   for (const Row& row : section.rows) {
     anytime = anytime || !std::isnan(row.summary.improvement_checks);
+    lua = lua || row.summary.lua_share > 0.0;
     set_up = set_up || row.summary.set_up_share > least_set_up_share;
     if (std::isfinite(row.summary.validity_checks.value)) most = std::max(most, row.summary.validity_checks.value);
     if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
@@ -118,6 +120,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
     columns.push_back(number_column({"p"}, beside));
   }
   columns.push_back(number_column({"ms"}, "median"));
+  if (lua) columns.push_back(number_column({"Lua %"}));
   columns.push_back(number_column({"path m"}, "mean"));
   Table table(columns);
   for (const Row& row : section.rows) {
@@ -135,6 +138,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
       cells.push_back(row.name == section.baseline || c == nullptr ? "" : p_text(c->validity_checks.holm_p));
     }
     cells.push_back(milliseconds_text(s.seconds.value, decimals_for(slowest)));
+    if (lua) cells.push_back(lua_share_text(s.lua_share));
     cells.push_back(std::isnan(s.length.value) ? "-" : fixed(s.length.value, 1));
     table.add(std::move(cells));
   }

@@ -295,6 +295,7 @@ void restore_times(RunResult& run, const std::string& line) {
     read(json.at("time_s"), run.run.seconds);
     read(json.at("cpu_s"), run.cpu_seconds);
     read(json.at("path_cpu_s"), run.run.path_seconds);
+    if (const auto lua = json.find("lua_s"); lua != json.end()) read(*lua, run.run.lua_seconds);
     if (const auto set_up = json.find("set_up_s"); set_up != json.end()) read(*set_up, run.run.set_up_seconds);
     const Json& improvements = json.at("improvements");
     for (std::size_t i = 0; i < std::min(improvements.size(), run.run.improvements.size()); ++i) {

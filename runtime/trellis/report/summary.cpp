@@ -466,6 +466,8 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   std::vector<CensoredCost> first_path;
   std::vector<double> improvement;
   std::vector<double> set_up;
+  double lua = 0.0;
+  double cpu = 0.0;
   std::vector<double> work;
   std::vector<CensoredCost> validity;
   std::vector<CensoredCost> motion;
@@ -483,6 +485,8 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
     validity.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
     motion.push_back({static_cast<double>(run->run.motion_checks), run->run.solved});
     seconds.push_back({run->run.seconds, run->run.solved});
+    lua += run->run.lua_seconds;
+    cpu += run->cpu_seconds;
     if (run->run.solved) {
       ++result.solved;
       length.push_back(run->run.length);
@@ -494,6 +498,7 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   result.improvement_checks = median(improvement);
   result.set_up = median(set_up);
   if (const double all = median(work); all > 0.0) result.set_up_share = result.set_up / all;
+  if (cpu > 0.0) result.lua_share = lua / cpu;
   result.motion_checks = median_cost(motion);
   result.seconds = median_cost(seconds);
   result.spent_validity_checks = median_spent(validity);

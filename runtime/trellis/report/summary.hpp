@@ -209,6 +209,7 @@ struct RunsSummary {
   /// Work to set up the guides for a run alone (RunRecord::set_up): the median over the runs.
   double set_up = std::numeric_limits<double>::quiet_NaN();
   double set_up_share = 0.0;         ///< the same relative to the median work of a run
+  double lua_share = 0.0;            ///< of the CPU time of all runs, in functions in Lua
   Interval length;                   ///< mean over the solved runs, metres of the metric
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;

@@ -676,6 +676,8 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     columns[3] = number_column({"checks to", "first path"}, medians);
     columns.insert(columns.begin() + 4, number_column({"checks of", "improvement"}, medians));
   }
+  const bool lua = std::any_of(rows.begin(), rows.end(), [](const Row& r) { return r.summary.lua_share > 0.0; });
+  if (lua) columns.insert(columns.end() - 1, number_column({"Lua %"}));
   const RootColumns root(rows);
   if (measured) root.add_columns(columns);
   double slowest = 0.0;
@@ -689,8 +691,10 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                       count_text(s.validity_checks.value)};
     if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
     if (set_up) cells.push_back(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
-    cells.insert(cells.end(), {count_text(s.motion_checks.value),
-                               milliseconds_text(s.seconds.value, decimals_for(slowest)), interval_text(s.length)});
+    cells.insert(cells.end(),
+                 {count_text(s.motion_checks.value), milliseconds_text(s.seconds.value, decimals_for(slowest))});
+    if (lua) cells.push_back(lua_share_text(s.lua_share));
+    cells.push_back(interval_text(s.length));
     if (measured) root.add_cells(i, root_of(rows[i]), cells);
     table.add(std::move(cells));
   }

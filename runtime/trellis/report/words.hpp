@@ -20,6 +20,8 @@ std::string count_text(double x);
 /// Returns the decimals of a column of milliseconds, from its largest value.
 int decimals_for(double largest);
 std::string percent(double share);
+/// The share of functions in Lua in per cent: "" for none, "<1" for one that would be rounded to 0.
+std::string lua_share_text(double share);
 /// "1.23 ±0.08", "1.23" without an interval, "-" for a missing value.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
 /// "-0.42…+1.20", the ends of an interval; one number where they print the same.
