@@ -111,6 +111,20 @@ Subcommand CommandLine::add(const std::string& name, const std::string& summary,
   return Subcommand(*verb);
 }
 
+std::vector<std::string> CommandLine::verbs() const {
+  std::vector<std::string> names;
+  names.reserve(verbs_.size());
+  for (const auto& [app, run] : verbs_) names.push_back(app->get_name());
+  return names;
+}
+
+std::string CommandLine::usage_of(const std::string& verb) const {
+  for (const auto& [app, run] : verbs_) {
+    if (app->get_name() == verb) return app->help(app_->get_name());
+  }
+  return "";
+}
+
 std::string CommandLine::unknown_option(const std::string& word) const {
   std::vector<std::string> known;
   for (const auto* parsed : app_->get_subcommands()) {
@@ -122,9 +136,7 @@ std::string CommandLine::unknown_option(const std::string& word) const {
 }
 
 std::vector<std::string> CommandLine::with_verb(std::vector<std::string> words) const {
-  std::vector<std::string> known;
-  known.reserve(verbs_.size());
-  for (const auto& [verb, run] : verbs_) known.push_back(verb->get_name());
+  const std::vector<std::string> known = verbs();
   if (words.empty()) throw Error(fmt::format("no command given; there are: {}", fmt::join(known, ", ")) + more_help);
   const std::string& first = words.front();
   if (first.starts_with('-') || std::find(known.begin(), known.end(), first) != known.end()) return words;

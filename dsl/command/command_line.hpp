@@ -62,6 +62,9 @@ class CommandLine {
   [[nodiscard]] const CLI::App& app() const { return *app_; }
   /// The list of verbs.
   [[nodiscard]] const std::string& usage() const { return usage_; }
+  [[nodiscard]] std::vector<std::string> verbs() const;
+  /// What `trellis VERB --help` prints; "" for a word that is no verb.
+  [[nodiscard]] std::string usage_of(const std::string& verb) const;
 
   /// Parses the command line and runs its verb. \throws Error
   int run(int argc, char** argv);

@@ -46,7 +46,7 @@ std::vector<std::string> notes_on(const Space& space, const Configurations& samp
   return notes;
 }
 
-/// The plain grid is not defended: reports its single value as D.
+/// The plain grid is not regularised: reports its single value as D.
 Estimate as_it_is(Estimate estimate) {
   if (!estimate.estimator.starts_with("legacy")) return estimate;
   estimate.value = estimate.gain = std::numeric_limits<double>::quiet_NaN();
@@ -226,7 +226,7 @@ std::string measurement_json(const Case& c, const Measurement& m) {
   json["D_uniform"] = number(e.uniform);
   json["n_in"] = e.in_target;
   json["p_in"] = static_cast<double>(e.in_target) / static_cast<double>(e.samples);
-  json["D"] = number(figures.undefended);
+  json["D"] = number(figures.unregularised);
   json["D_eps0.05"] = number(figures.value);
   json["D_eps0.05_CI95"] = {number(e.value_lo), number(e.value_hi)};
   json["scale_CI95"] = {number(on_scale(e.value_lo, e.perfect, e.uniform)),
@@ -238,7 +238,7 @@ std::string measurement_json(const Case& c, const Measurement& m) {
   json["D_mass_LB95"] = number(e.mass_lower95);
   json["D_mass_CI95"] = {number(e.mass_lo), number(e.mass_hi)};
   json["D_perfect"] = number(e.perfect);
-  json["D_parts"] = parts(figures.undefended_parts);
+  json["D_parts"] = parts(figures.unregularised_parts);
   json["D_eps0.05_parts"] = parts(figures.parts);
   json["D_eps0.05_mass_CI95"] = interval(mass_interval(e));
   json["D_eps0.05_spread_CI90"] = interval(spread_interval(e));
@@ -262,11 +262,11 @@ std::string measurement_json(const Case& c, const Measurement& m) {
     for (const Measurement::Answer& answer : m.answers) {
       Json& one = all[answer.estimator];
       const Estimate estimate = as_it_is(answer.estimate.value_or(Estimate{}));
-      one["D"] = number(estimate.undefended);
+      one["D"] = number(estimate.unregularised);
       one["D_eps0.05"] = number(estimate.value);
       one["D_eps0.01"] = number(estimate.light_value);
       one["gain_eps0.05"] = number(estimate.gain);
-      one["D_parts"] = parts(estimate.undefended_parts);
+      one["D_parts"] = parts(estimate.unregularised_parts);
       one["D_eps0.05_parts"] = parts(estimate.parts);
       one["JS"] = number(estimate.js);
       if (!answer.estimate) one["reason"] = answer.reason;
@@ -325,7 +325,7 @@ std::string measurement_table(const Case& c, const Measurement& m) {
   text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
   if (!blank) {
     text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
-    text += row("D", figures.undefended, "of the samples as they are");
+    text += row("D", figures.unregularised, "of the samples as they are");
   }
   text += row(
       "D_mass", e.mass,
@@ -354,7 +354,7 @@ std::string measurement_table(const Case& c, const Measurement& m) {
       text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", answer.estimator,
                           figure_text(estimate.value), figure_text(estimate.parts.mass),
                           figure_text(estimate.parts.spread), figure_text(estimate.light_value),
-                          figure_text(estimate.undefended), figure_text(estimate.gain), figure_text(estimate.js));
+                          figure_text(estimate.unregularised), figure_text(estimate.gain), figure_text(estimate.js));
     }
   }
   if (!e.flags.empty()) text += '\n';

@@ -453,7 +453,7 @@ TEST_CASE("check names inputs that are valid and probably mistakes") {
        rim + "outside or on the rim of its body"},
       {"p = " + problem("robot.rectangle(0.8, 0.6)") + "\n" + strategies("a = rrt {}"),
        "problem 'problem': the robot fits no gap between start and goal: the widest route is 0.4 m wide, and the robot "
-       "contains a disc of 0.6 m about its reference point"},
+       "contains a disc 0.6 m wide about its reference point"},
       {"p = scenes.trap()\n" + strategies("a = informed() >> rrt {}"),
        "informed() in strategy 'a': it changes nothing: it draws uniformly until a path is known, and rrt ends with "
        "its "
@@ -515,10 +515,16 @@ TEST_CASE("errors of frequent mistakes say how to mend them") {
     CHECK(outcome.status == 2);
     CHECK(outcome.err.find(message) != std::string::npos);
   }
-  CHECK(place.run({"help", "step"}).out.starts_with("step is no word; it is an option or a field\n\nof rrt"));
+  CHECK(place.run({"help", "step"}).out.starts_with("step is an option or a field\n\nof rrt"));
   CHECK(place.run({"help", "arm"}).out.find("robot.arm") != std::string::npos);
   CHECK(place.run({"help", "obstacle"}).out.find("obstacle_based") != std::string::npos);
   CHECK(place.run({"help", "zebra"}).status == 2);
+  CHECK(place.run({"help", "compar"}).err.find("did you mean 'compare'?") != std::string::npos);
+  // A command's name explains the command; `tune` is a word of the language, too.
+  CHECK(place.run({"help", "sweep"}).out == place.run({"sweep", "--help"}).out);
+  const std::string tune = place.run({"help", "tune"}).out;
+  CHECK(tune.starts_with("tune: "));
+  CHECK(tune.ends_with(place.run({"tune", "--help"}).out));
 }
 
 TEST_CASE("the program prints its version and its words") {

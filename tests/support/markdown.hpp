@@ -90,36 +90,38 @@ inline std::vector<std::string> comparable(const std::string& text) {
     return std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(end),
                          [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
   };
-  // Returns where a heading of times ends, in a line of headings: "ms" or "time" among words without digits, ignoring
-  // brackets.
-  const auto end_of_heading = [](const std::string& line) -> std::optional<std::size_t> {
+  // Returns where headings of times end, in a line of headings: "ms", "time" or "Lua %" among words without digits,
+  // ignoring brackets.
+  const auto ends_of_headings = [&place](const std::string& line) -> std::vector<std::ptrdiff_t> {
     static const std::regex brackets(R"(\[[^\]]*\])");
-    if (std::regex_replace(line, brackets, "").find_first_of("0123456789") != std::string::npos) return std::nullopt;
-    for (const std::string heading : {" ms", " time"}) {
+    if (std::regex_replace(line, brackets, "").find_first_of("0123456789") != std::string::npos) return {};
+    std::vector<std::ptrdiff_t> ends;
+    for (const std::string heading : {" ms", " time", " Lua %"}) {
       const auto at = line.find(heading);
       if (at == std::string::npos) continue;
       const std::size_t end = at + heading.size();
-      if (end == line.size() || line[end] == ' ') return end;
+      if (end == line.size() || line[end] == ' ') ends.push_back(place(line, end));
     }
-    return std::nullopt;
+    return ends;
   };
   std::vector<std::string> result;
-  std::ptrdiff_t column = -1;  // where the numbers of a column of times end
+  std::vector<std::ptrdiff_t> columns;  // where the numbers of columns of times end
   for (const std::string& raw : lines_of(text)) {
     const auto erased = raw.rfind("\r\x1b[K");  // drawn by a progress bar
     std::string line = std::regex_replace(erased == std::string::npos ? raw : raw.substr(erased), colour, "");
     line.erase(line.find_last_not_of(' ') + 1);
-    if (line.empty() || line == "...") column = -1;  // what dots stand for ends with a table
-    if (const auto end = end_of_heading(line)) {
-      column = place(line, *end);
-    } else if (column >= 0) {
-      for (std::size_t end = 0; end < line.size(); ++end) {
+    if (line.empty() || line == "...") columns.clear();  // what dots stand for ends with a table
+    if (auto ends = ends_of_headings(line); !ends.empty()) {
+      columns = std::move(ends);
+    } else {
+      // From the right, because the text that replaces a number may be longer.
+      for (std::size_t end = columns.empty() ? 0 : line.size(); end-- > 0;) {
         const bool last = std::isdigit(static_cast<unsigned char>(line[end])) != 0 &&
                           (end + 1 == line.size() || line[end + 1] == ' ');
-        if (!last || place(line, end + 1) != column) continue;
+        if (!last || std::find(columns.begin(), columns.end(), place(line, end + 1)) == columns.end()) continue;
         const auto begin = line.find_last_of(' ', end) + 1;
         line.replace(begin, end + 1 - begin, "TIME");
-        break;
+        end = begin;
       }
     }
     line = std::regex_replace(line, time, "TIME");

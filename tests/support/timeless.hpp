@@ -11,6 +11,8 @@ void remove_times(Json& json) {
   if (json.is_object()) {
     json.erase("time_s");
     json.erase("cpu_s");
+    json.erase("lua_s");
+    json.erase("lua_share");
     json.erase("path_cpu_s");
     json.erase("set_up_s");
   }

@@ -6,12 +6,14 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <trellis/base/component.hpp>
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/input_file.hpp>
+#include <trellis/base/lua_time.hpp>
 #include <trellis/base/polling.hpp>
 #include <trellis/base/printable.hpp>
 #include <trellis/base/random.hpp>
@@ -185,4 +187,17 @@ TEST_CASE("long work polls the function of the innermost scope of its thread", "
   poll();
   CHECK(outer == 2);
   CHECK(inner == 1);
+}
+
+TEST_CASE("of nested timers of Lua the outermost counts, in its thread alone", "[lua_time]") {
+  const double before = lua_seconds();
+  {
+    const LuaTimer outer;
+    { const LuaTimer inner; }
+    CHECK(lua_seconds() == before);
+  }
+  CHECK(lua_seconds() > before);
+  double of_another = -1.0;
+  std::thread([&] { of_another = lua_seconds(); }).join();
+  CHECK(of_another == 0.0);
 }

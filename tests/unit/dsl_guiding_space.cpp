@@ -80,6 +80,20 @@ TEST_CASE("a guide of a script's own stands in strategies as built-in ones do") 
   CHECK(taken[1].text() == "skipping half");
 }
 
+TEST_CASE("the record of a run has the time of functions in Lua") {
+  CHECK(run_of("shrink(0.5)").lua_seconds == 0.0);
+  CHECK(run_of("0.5 * goal_bias(0.2) + 0.5 * uniform()").lua_seconds == 0.0);
+  // instance:valid() calls back into the runtime, here into the validity of the guide above.
+  const std::string asks =
+      "guiding_space { name = 'asks', robot = robot.disc(0.1), heuristic = function(found, instance)\n"
+      "  instance:valid(instance.start)\n  return along(found.path) end }";
+  for (const char* const strategy : {"g >> rrt { bound = 0 }", "g >> lazy() >> rrt { bound = 0 }"}) {
+    const RunRecord run = run_of(asks, strategy);
+    CHECK(run.lua_seconds > 0.0);
+    CHECK(run.lua_seconds <= run.cpu_seconds);
+  }
+}
+
 TEST_CASE("equal definitions are equal, wherever they are loaded, and others are not") {
   CHECK(strategy_of(half) == strategy_of(half));
   CHECK(strategy_of(half).hash() == strategy_of(half).hash());

@@ -274,10 +274,15 @@ TEST_CASE("help has every word and each of its options") {
 
 TEST_CASE("help on a name that is no word has its options, else the words near it") {
   const std::string step = dsl::help_text("step", 100000);
-  CHECK(step.starts_with("step is no word; it is an option or a field\n\nof rrt, "));
+  CHECK(step.starts_with("step is an option or a field\n\nof rrt, "));
   CHECK(step.find("longest extension") != std::string::npos);
   CHECK(dsl::help_text("arm").find("\n  robot.arm ") != std::string::npos);
   CHECK(dsl::help_text("obstacle").find("\n  obstacle_based ") != std::string::npos);
+  const std::string recentred = dsl::help_text("recentred", 100000);
+  CHECK(recentred.find("of a robot:") != std::string::npos);
+  CHECK(recentred.find(":recentred()") != std::string::npos);
+  CHECK_THROWS_WITH(dsl::help_text("stepsize"), Catch::Contains("did you mean 'step'?"));
+  CHECK_THROWS_WITH(dsl::help_text("evidense"), Catch::Contains("did you mean 'evidence'?"));
 }
 
 TEST_CASE("help lists the options of a function of the standard library, with its own defaults") {

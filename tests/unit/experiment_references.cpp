@@ -99,7 +99,7 @@ TEST_CASE("every estimator that claims accuracy scores the oracle 0", "[referenc
             target, target.draw(1000, stream),
             {.estimators = {estimator}, .density = [&](View x) { return target.contains(x) ? density : 0.0; }});
         REQUIRE(e.estimator == estimator.text());
-        scores.push_back(e.undefended);
+        scores.push_back(e.unregularised);
       }
       CAPTURE(scene.name, estimator.text());
       check_perfect(scores);

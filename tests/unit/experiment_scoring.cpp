@@ -123,7 +123,7 @@ class Bytes {
 
  private:
   void add(const Estimate& e) {
-    for (const double x : {e.value, e.light_value, e.undefended, e.gain, e.js}) bits_.push_back(bits(x));
+    for (const double x : {e.value, e.light_value, e.unregularised, e.gain, e.js}) bits_.push_back(bits(x));
     texts_.push_back(e.estimator);
   }
   void add(const Efficiency& e) {
@@ -268,7 +268,7 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
     CHECK(own.tree.estimator == "knn");
     // The proposals' density is known: uniform but for the goal itself, 5 % of them.
     CHECK(own.expansion.estimator == "exact");
-    CHECK(own.expansion.undefended == Approx(own.expansion.uniform - std::log(0.95)).margin(1e-9));
+    CHECK(own.expansion.unregularised == Approx(own.expansion.uniform - std::log(0.95)).margin(1e-9));
     REQUIRE(own.expansion.others.size() == 1);
     CHECK(own.expansion.others.front().estimator == "knn");
     CHECK(own.expansion.samples == record.search.proposals.size());
@@ -296,9 +296,9 @@ TEST_CASE("the oracle and uniform sampling frame the root's figures", "[scoring]
     CHECK(root.oracle->tree.samples == std::min<std::size_t>(root.own->tree.samples, LevelResult::most_references));
     CHECK(root.oracle->tree.in_target == root.oracle->tree.samples);
     CHECK(root.oracle->expansion.estimator == "exact");
-    CHECK(root.oracle->expansion.undefended == Approx(0.0).margin(1e-9));
+    CHECK(root.oracle->expansion.unregularised == Approx(0.0).margin(1e-9));
     CHECK(root.uniform->expansion.value == Approx(root.own->expansion.uniform).margin(1e-6));
-    perfect.push_back(root.oracle->tree.undefended);
+    perfect.push_back(root.oracle->tree.unregularised);
     none.push_back(root.uniform->tree.value - root.uniform->tree.uniform);
   }
   REQUIRE(perfect.size() >= 5);
@@ -329,7 +329,8 @@ TEST_CASE("samples of all seeds together are scored without the seed whose path 
     CHECK(std::isfinite(pooled.scores.tree.value));
     // Proposals of plain RRT are uniform but for the goal, alone and together.
     CHECK(pooled.scores.expansion.estimator == "exact");
-    CHECK(pooled.scores.expansion.undefended == Approx(pooled.scores.expansion.uniform - std::log(0.95)).margin(1e-6));
+    CHECK(pooled.scores.expansion.unregularised ==
+          Approx(pooled.scores.expansion.uniform - std::log(0.95)).margin(1e-6));
   }
   experiment.measure->cross = 0;
   CHECK(run(experiment).pooled.empty());
@@ -459,7 +460,7 @@ TEST_CASE("near_optimal is the ellipse about start and goal in an empty world", 
     CHECK(root.own->tree.uniform == Approx(std::log(100 / area)).margin(0.03));
     REQUIRE(root.root_cross);
     CHECK(root.root_cross->tree.value == root.root->tree.value);
-    CHECK(root.own->expansion.undefended == Approx(root.own->expansion.uniform - std::log(0.95)).margin(1e-9));
+    CHECK(root.own->expansion.unregularised == Approx(root.own->expansion.uniform - std::log(0.95)).margin(1e-9));
   }
 
   // Behind a wall there is no optimum.

@@ -444,8 +444,8 @@ TEST_CASE("a run without a path lowers the success and stays in the cross figure
   CHECK(cross.value.n == 4);
   CHECK(summary.levels.front().root.tree.scored == 0);
   // One that is infinite is counted, and the median takes the mean's place.
-  result.runs[1].levels.front().root_cross->tree.undefended = infinity;
+  result.runs[1].levels.front().root_cross->tree.unregularised = infinity;
   const Figure counted = summarise(select_runs(result, "p", "s")).levels.front().root_cross.tree;
-  CHECK(counted.undefended.infinite == 1);
-  CHECK(counted.undefended.value == Approx(0.5 * (3.01 + 4.01)));
+  CHECK(counted.unregularised.infinite == 1);
+  CHECK(counted.unregularised.value == Approx(0.5 * (3.01 + 4.01)));
 }

@@ -62,7 +62,7 @@ Configurations mixture(const Target& target, std::size_t count, double in_target
 void check_sums(const Estimate& e) {
   CAPTURE(e.estimator);
   CHECK(e.parts.mass + e.parts.spread == Approx(e.value));
-  CHECK(e.undefended_parts.mass + e.undefended_parts.spread == Approx(e.undefended));
+  CHECK(e.unregularised_parts.mass + e.unregularised_parts.spread == Approx(e.unregularised));
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ TEST_CASE("the parts of a divergence sum to it, and are those of the closed form
   CHECK(blind.estimator == "exact");
   CHECK(blind.parts.mass == Approx(u).margin(1e-6));
   CHECK(blind.parts.spread == Approx(0.0).margin(1e-6));
-  CHECK(blind.undefended_parts.mass == Approx(u).margin(1e-6));
+  CHECK(blind.unregularised_parts.mass == Approx(u).margin(1e-6));
   check_sums(blind);
   for (const Estimate& other : blind.others) check_sums(other);
 
@@ -90,18 +90,18 @@ TEST_CASE("the parts of a divergence sum to it, and are those of the closed form
     return 0.6 * uniform_density + (target.contains(x) ? 0.4 * 2 * share * std::exp(-target.log_volume()) : 0.0);
   };
   const Efficiency e = efficiency(target, mixture(target, 6000, 0.4, 0.8, 2), {.density = density});
-  CHECK(e.undefended_parts.mass == Approx(-std::log(inside)).margin(0.01));
-  CHECK(e.undefended_parts.spread == Approx(spread).margin(0.01));
+  CHECK(e.unregularised_parts.mass == Approx(-std::log(inside)).margin(0.01));
+  CHECK(e.unregularised_parts.spread == Approx(spread).margin(0.01));
   check_sums(e);
   CHECK(e.mass_lo < -std::log(inside));
   CHECK(e.mass_hi > -std::log(inside));
   REQUIRE_FALSE(e.others.empty());
   const Estimate& knn = e.others.back();
-  CHECK(knn.undefended_parts.mass == Approx(-std::log(inside)).margin(0.05));
-  CHECK(knn.undefended_parts.spread == Approx(spread).margin(0.06));
+  CHECK(knn.unregularised_parts.mass == Approx(-std::log(inside)).margin(0.05));
+  CHECK(knn.unregularised_parts.spread == Approx(spread).margin(0.06));
   // All of that spread lies along the path, nothing across it.
-  CHECK(e.undefended_parts.along == Approx(spread).margin(0.04));
-  CHECK(e.undefended_parts.across == Approx(0.0).margin(0.04));
+  CHECK(e.unregularised_parts.along == Approx(spread).margin(0.04));
+  CHECK(e.unregularised_parts.across == Approx(0.0).margin(0.04));
   CHECK(e.parts.along + e.parts.across == Approx(e.parts.spread));
 }
 
@@ -125,9 +125,9 @@ TEST_CASE("without a sample in the target all of it is mass", "[chain]") {
   for (int i = 0; i < 200; ++i) rows.push(std::vector{stream.uniform(0, 0.0001), stream.uniform(5.9, 6)});
   const Efficiency e = shown(efficiency(target, rows));
   REQUIRE(e.in_target == 0);
-  CHECK(e.undefended == infinity);
-  CHECK(e.undefended_parts.mass == infinity);
-  CHECK(std::isnan(e.undefended_parts.spread));
+  CHECK(e.unregularised == infinity);
+  CHECK(e.unregularised_parts.mass == infinity);
+  CHECK(std::isnan(e.unregularised_parts.spread));
   CHECK(e.parts.mass == Approx(e.value).margin(1e-9));
   CHECK(e.mass_hi == infinity);
   CHECK(e.mass_lo == Approx(-std::log(1 - std::pow(0.025, 1.0 / 200))));
@@ -140,15 +140,15 @@ TEST_CASE("nothing impossible is shown", "[chain]") {
   e.perfect = defended_mass(0.0, 2.0);
   e.mass = 0.5;
   e.mass_lower95 = 0.4;
-  e.undefended = -0.3;
-  e.undefended_parts = {.mass = 0.5, .spread = -0.8, .along = 0.1, .across = -0.9};
+  e.unregularised = -0.3;
+  e.unregularised_parts = {.mass = 0.5, .spread = -0.8, .along = 0.1, .across = -0.9};
   e.value = 0.01;
   e.parts = {.mass = 0.53, .spread = -0.52, .along = 0.1, .across = -0.62};
   const Efficiency s = shown(e);
-  CHECK(s.undefended == 0.4);
+  CHECK(s.unregularised == 0.4);
   CHECK(s.value == Approx(defended_mass(0.4, 2.0)));
   CHECK(s.gain == Approx(2.0 - s.value));
-  for (const ChainRule* parts : {&s.parts, &s.undefended_parts}) {
+  for (const ChainRule* parts : {&s.parts, &s.unregularised_parts}) {
     CHECK(parts->mass >= 0.0);
     CHECK(parts->spread >= 0.0);
     CHECK(parts->along >= 0.0);
@@ -187,10 +187,10 @@ TEST_CASE("perfect guidance scores 0 and uniform sampling its own divergence, wi
       REQUIRE(rows.size() == 1000);
       for (std::size_t i = 0; i < rows.size(); ++i) REQUIRE(target.contains(rows[i]));
       const Efficiency e = efficiency(target, rows);
-      oracle.push_back(e.undefended);
+      oracle.push_back(e.unregularised);
       value.push_back(e.value - e.perfect);
       const auto known = [&](View x) { return target.contains(x) ? std::exp(-target.log_volume()) : 0.0; };
-      exact.push_back(efficiency(target, rows, {.density = known}).undefended);
+      exact.push_back(efficiency(target, rows, {.density = known}).unregularised);
       Configurations anywhere(target.space().dimension());
       Configuration x(target.space().dimension());
       for (int i = 0; i < 1000; ++i) {
@@ -231,8 +231,8 @@ TEST_CASE("from five dimensions the headline is the bound by mass and arc length
     CHECK(std::isnan(e.parts.across));
     check_sums(e);
     REQUIRE(e.others.size() == 1);
-    bound += (e.undefended - truth) * (e.undefended - truth) / repetitions;
-    knn += (e.others.front().undefended - truth) * (e.others.front().undefended - truth) / repetitions;
+    bound += (e.unregularised - truth) * (e.unregularised - truth) / repetitions;
+    knn += (e.others.front().unregularised - truth) * (e.others.front().unregularised - truth) / repetitions;
   }
   CHECK(std::sqrt(bound) < 0.08);
   CHECK(std::sqrt(knn) > 2.0 * std::sqrt(bound));

@@ -95,11 +95,11 @@ struct Blob {
   }
 };
 
-/// The defended divergence for a known density, by quasi Monte Carlo.
+/// The regularised divergence for a known density, by quasi Monte Carlo.
 template <class Density>
 double truth(const Target& target, const Density& density) {
   const double uniform = std::exp(-target.space().log_volume());
-  const double eps = defence;
+  const double eps = uniform_mix;
   double sum = 0.0;
   for (std::size_t i = 0; i < target.evaluation_points(); ++i) {
     sum += std::log((1 - eps) * density(target.pool()[i]) + eps * uniform);
@@ -168,7 +168,7 @@ TEST_CASE("Uniform sampling has no gain and the target itself no divergence, pla
     CHECK(uniform.estimator == "knn");
     CHECK(uniform.samples == 20000);
     const Efficiency self = efficiency(target, target_samples(target, 2000, 1));
-    CHECK(self.undefended == Approx(0.0).margin(0.03));
+    CHECK(self.unregularised == Approx(0.0).margin(0.03));
     CHECK(self.value == Approx(-std::log(0.95)).margin(0.03));
     CHECK(self.in_target == 2000);
     CHECK(self.flags.empty());
@@ -184,7 +184,7 @@ TEST_CASE("Samples that never reach A are censored, with a value near its bound"
   Configurations samples = uniform_samples(plane, 1000, 1);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i][1] = 5 + 0.5 * samples[i][1];
   const Efficiency e = efficiency(target, samples);
-  CHECK(e.undefended == std::numeric_limits<double>::infinity());
+  CHECK(e.unregularised == std::numeric_limits<double>::infinity());
   CHECK(flagged(e, "censored"));
   CHECK(flagged(e, "partial"));
   CHECK(e.in_target == 0);
@@ -206,7 +206,7 @@ TEST_CASE("An atom at the goal costs its mass and nothing else") {
   CHECK(with.samples == 2000);
   CHECK(with.in_target == without.in_target + 100);
   // psi(2001) - psi(1901) is log(2000 / 1900) to the fourth decimal.
-  CHECK(with.undefended - without.undefended == Approx(-std::log(0.95)).margin(1e-4));
+  CHECK(with.unregularised - without.unregularised == Approx(-std::log(0.95)).margin(1e-4));
 
   // Copies that differ by a whole turn are copies.
   Configurations turned = base;
@@ -228,7 +228,7 @@ TEST_CASE("Few samples, equal samples and none give a reason and no number") {
   const Target target = make(space, "planar");
   const Efficiency none = efficiency(target, Configurations(3));
   CHECK(std::isnan(none.value));
-  CHECK(std::isnan(none.undefended));
+  CHECK(std::isnan(none.unregularised));
   CHECK(std::isnan(none.gain));
   CHECK(none.uniform == target.uniform());
   CHECK(flagged(none, "too few samples"));
@@ -239,7 +239,7 @@ TEST_CASE("Few samples, equal samples and none give a reason and no number") {
   for (int i = 0; i < 50; ++i) equal.push(path_in(space).front());
   const Efficiency same = efficiency(target, equal);
   CHECK(std::isnan(same.value));
-  CHECK(std::isnan(same.undefended));
+  CHECK(std::isnan(same.unregularised));
   CHECK(same.in_target == 50);
   CHECK(flagged(same, "too few samples"));
   CHECK_THAT(same.reason, Catch::Contains("occur more than once"));
@@ -311,7 +311,7 @@ TEST_CASE("Samples outside of the space count but reach nothing, unusable ones a
   const Efficiency b = efficiency(target, more);
   CHECK(b.samples == 2000);
   CHECK(b.in_target == a.in_target);
-  CHECK(b.undefended - a.undefended == Approx(std::log(2.0)).margin(1e-3));
+  CHECK(b.unregularised - a.unregularised == Approx(std::log(2.0)).margin(1e-3));
 
   Configurations bad(2);
   bad.push(std::vector{1.0, std::numeric_limits<double>::quiet_NaN()});
@@ -324,7 +324,7 @@ TEST_CASE("An empty target scores nothing") {
   const Target target = make(plane, "planar", [](View) { return false; });
   const Efficiency e = efficiency(target, uniform_samples(plane, 100, 1));
   CHECK(std::isnan(e.value));
-  CHECK(std::isnan(e.undefended));
+  CHECK(std::isnan(e.unregularised));
   CHECK(std::isnan(e.uniform));
   CHECK(std::isnan(e.coverage));
   CHECK(flagged(e, "empty target"));
@@ -337,7 +337,7 @@ TEST_CASE("Efficiencies repeat to the last bit") {
     const Efficiency a = efficiency(make(space, "full"), uniform_samples(space, n, 1));
     const Efficiency b = efficiency(make(space, "full"), uniform_samples(space, n, 1));
     CHECK(a.value == b.value);
-    CHECK(a.undefended == b.undefended);
+    CHECK(a.unregularised == b.unregularised);
     CHECK(a.coverage == b.coverage);
     CHECK(a.uniform_coverage == b.uniform_coverage);
   }
@@ -355,14 +355,14 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
     if (half(drawn[i])) valid.push(drawn[i]);
   }
   const Efficiency tree = efficiency(target, valid, {.support = SampleSupport::valid_only});
-  CHECK(std::isinf(tree.undefended));
+  CHECK(std::isinf(tree.unregularised));
   CHECK(std::find(tree.flags.begin(), tree.flags.end(), "cannot reach") != tree.flags.end());
-  // The defended value stays finite, and pays log(1/eps) for the share that is out of reach.
+  // The regularised value stays finite, and pays log(1/eps) for the share that is out of reach.
   CHECK(std::isfinite(tree.value));
   CHECK(tree.value > efficiency(target, drawn).value + 1.0);
   // With the support "free" the same tree has nothing that it cannot reach.
   settings.support = TubeSettings::Support::free;
   CHECK(std::isfinite(
       efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, {.support = SampleSupport::valid_only})
-          .undefended));
+          .unregularised));
 }

@@ -77,7 +77,7 @@ const std::vector<Space>& spaces() {
 struct Figures {
   double value = 0.0;
   double light_value = 0.0;
-  double undefended = 0.0;
+  double unregularised = 0.0;
 };
 Figures figures_of(const Target& target, std::size_t points, const std::function<double(View)>& log_density) {
   Figures f;
@@ -86,7 +86,7 @@ Figures figures_of(const Target& target, std::size_t points, const std::function
     const double log_q = log_density(target.pool()[i]);
     const double log_t = target.log_density(i);
     const auto mixed = [&](double eps) { return std::log((1 - eps) * std::exp(log_q) + eps * std::exp(log_u)); };
-    f.undefended += (log_t - log_q) / static_cast<double>(points);
+    f.unregularised += (log_t - log_q) / static_cast<double>(points);
     f.value += (log_t - mixed(0.05)) / static_cast<double>(points);
     f.light_value += (log_t - mixed(0.01)) / static_cast<double>(points);
   }
@@ -96,7 +96,7 @@ Figures figures_of(const Target& target, std::size_t points, const std::function
 void check_same(const Efficiency& e, const Figures& expected, double tolerance = 1e-9) {
   CHECK(e.value == Approx(expected.value).epsilon(0).margin(tolerance));
   CHECK(e.light_value == Approx(expected.light_value).epsilon(0).margin(tolerance));
-  CHECK(e.undefended == Approx(expected.undefended).epsilon(0).margin(tolerance));
+  CHECK(e.unregularised == Approx(expected.unregularised).epsilon(0).margin(tolerance));
 }
 
 double log_sum_exp(const std::vector<double>& terms) {
@@ -368,8 +368,8 @@ TEST_CASE("The legacy reading is the divergence of two histograms over position,
     for (const auto& [at, share] : t) expected += share * std::log(share / std::max(q[at], floor));
     const Efficiency e = by(EstimatorSpec::make("legacy", {{"cell", cell}, {"floor", floor}}), target, samples);
     CHECK(e.value == Approx(expected).epsilon(0).margin(1e-9));
-    CHECK(e.undefended == e.value);
-    // It has nothing to be compared with: no divergence of uniform sampling, no defence.
+    CHECK(e.unregularised == e.value);
+    // It has nothing to be compared with: no divergence of uniform sampling, nothing mixed in.
     CHECK(std::isnan(e.gain));
     CHECK(std::isnan(e.light_value));
     CHECK(std::isnan(e.js));
@@ -388,8 +388,8 @@ TEST_CASE("Known densities are integrated, not estimated", "[slow]") {
   SECTION("uniform on the space, with an atom") {
     const Efficiency e = by(exact, capsule, any, 0, [](View) { return 0.9 / 100.0; });
     CHECK(e.estimator == "exact");
-    CHECK(e.undefended == Approx(log_c - log_a - std::log(0.9)).margin(0.005));
-    CHECK(e.undefended - e.uniform == Approx(-std::log(0.9)).epsilon(0).margin(1e-9));
+    CHECK(e.unregularised == Approx(log_c - log_a - std::log(0.9)).margin(0.005));
+    CHECK(e.unregularised - e.uniform == Approx(-std::log(0.9)).epsilon(0).margin(1e-9));
     CHECK(e.gain == Approx(std::log(0.95 * 0.9 + 0.05)).epsilon(0).margin(1e-9));
     // JS of a constant ratio r of the densities, q with the mass 0.9 |A| / |C| in A.
     const double r = 0.9 * std::exp(-e.uniform);
@@ -398,13 +398,13 @@ TEST_CASE("Known densities are integrated, not estimated", "[slow]") {
   }
   SECTION("the target itself") {
     const Efficiency e = by(exact, capsule, any, 0, [&](View) { return std::exp(-capsule.log_volume()); });
-    CHECK(e.undefended == Approx(0.0).epsilon(0).margin(1e-9));
+    CHECK(e.unregularised == Approx(0.0).epsilon(0).margin(1e-9));
     CHECK(e.js == Approx(0.0).epsilon(0).margin(1e-9));
     CHECK(e.value == Approx(verify::constant_defended(log_a, log_c, std::exp(-log_a))).margin(0.005));
   }
   SECTION("nothing in the target") {
     const Efficiency e = by(exact, capsule, any, 0, [](View) { return 0.0; });
-    CHECK(e.undefended == infinity);
+    CHECK(e.unregularised == infinity);
     CHECK(e.js == Approx(std::log(2.0)).epsilon(0).margin(1e-12));
     CHECK(e.value == Approx(std::log(20.0) + e.uniform).epsilon(0).margin(1e-9));
     CHECK(e.light_value == Approx(std::log(100.0) + e.uniform).epsilon(0).margin(1e-9));
@@ -419,8 +419,8 @@ TEST_CASE("Known densities are integrated, not estimated", "[slow]") {
         some.push(c.target->pool()[0]);
         const Efficiency e = by(exact, *c.target, some, 0, [&](View x) { return tree.density(x); });
         INFO(c.name);
-        CHECK(e.undefended == Approx(c.d).margin(0.01));
-        CHECK(e.value == Approx(c.d_defended).margin(0.01));
+        CHECK(e.unregularised == Approx(c.d).margin(0.01));
+        CHECK(e.value == Approx(c.d_regularised).margin(0.01));
       }
     }
   }
@@ -462,20 +462,20 @@ TEST_CASE("A Gaussian target has the divergences of the closed form") {
   for (int i = 0; i < 1500; ++i) samples.push(std::vector{shift + s1 * stream.normal(), s1 * stream.normal()});
   const Efficiency e = efficiency(target, samples, {.density = density});
   CHECK(e.estimator == "exact");
-  CHECK(e.undefended == Approx(truth).margin(0.01));
+  CHECK(e.unregularised == Approx(truth).margin(0.01));
   REQUIRE(e.others.size() == 1);
-  CHECK(e.others.front().undefended == Approx(truth).margin(0.08));
+  CHECK(e.others.front().unregularised == Approx(truth).margin(0.08));
   CHECK(e.in_target == 1500);
   CHECK(e.mass == 0.0);
   CHECK(std::isnan(e.along.divergence));
   CHECK(e.along.target.empty());
-  CHECK(by(kde("likelihood"), target, samples, 500).undefended == Approx(truth).margin(0.12));
+  CHECK(by(kde("likelihood"), target, samples, 500).unregularised == Approx(truth).margin(0.12));
 
   const Efficiency itself =
       efficiency(target, target.pool(), {.density = [&](View x) {
                    return std::exp(-0.5 * (x[0] * x[0] + x[1] * x[1]) / (s0 * s0)) / (2 * pi * s0 * s0);
                  }});
-  CHECK(itself.undefended == Approx(0.0).epsilon(0).margin(1e-9));
+  CHECK(itself.unregularised == Approx(0.0).epsilon(0).margin(1e-9));
   CHECK(itself.js == Approx(0.0).epsilon(0).margin(1e-9));
 
   const Efficiency no_path = by(EstimatorSpec::make("legacy"), target, samples);
@@ -511,8 +511,8 @@ TEST_CASE("A target given by its region has the region's volume") {
     if (everywhere.size() < 4000) everywhere.push(x);
     if (within.size() < 1000 && disc(x)) within.push(x);
   }
-  CHECK(efficiency(target, everywhere).undefended == Approx(target.uniform()).margin(0.15));
-  CHECK(efficiency(target, within).undefended == Approx(0.0).margin(0.1));
+  CHECK(efficiency(target, everywhere).unregularised == Approx(target.uniform()).margin(0.15));
+  CHECK(efficiency(target, within).unregularised == Approx(0.0).margin(0.1));
 
   const Target nowhere = Target::region(
       space, settings, [](View) { return false; }, 1);
@@ -543,11 +543,11 @@ TEST_CASE("Projection loses divergence, and by as much as the coordinate that it
     samples.push(x);
     projected.push(View(x).first(2));
   }
-  const double full = by(exact, whole, samples, 0, [&](View q) { return of_x(q) * of_heading(q[2]); }).undefended;
-  const double flat = by(exact, shadow, projected, 0, of_x).undefended;
+  const double full = by(exact, whole, samples, 0, [&](View q) { return of_x(q) * of_heading(q[2]); }).unregularised;
+  const double flat = by(exact, shadow, projected, 0, of_x).unregularised;
   CHECK(full - flat == Approx(lost).margin(0.005));
-  const double full_knn = efficiency(whole, samples).undefended;
-  const double flat_knn = efficiency(shadow, projected).undefended;
+  const double full_knn = efficiency(whole, samples).unregularised;
+  const double flat_knn = efficiency(shadow, projected).unregularised;
   CHECK(full_knn > flat_knn);
   CHECK(full_knn == Approx(full).margin(0.15));
   CHECK(flat_knn == Approx(flat).margin(0.1));
@@ -556,7 +556,7 @@ TEST_CASE("Projection loses divergence, and by as much as the coordinate that it
 TEST_CASE("Every estimator comes near the truth where it is known, as near as is published", "[slow]") {
   struct Row {
     EstimatorSpec spec;
-    double tolerance;  // of the defended value at N = 1000
+    double tolerance;  // of the regularised value at N = 1000
   };
   const std::vector<Row> rows = {{EstimatorSpec::make("knn"), 0.20},
                                  {knn_plain(3, true), 0.35},
@@ -573,7 +573,7 @@ TEST_CASE("Every estimator comes near the truth where it is known, as near as is
     const double bound = std::log(20.0) + c.target->uniform();
     for (const Row& row : rows) {
       const Efficiency e = by(row.spec, *c.target, samples, 512);
-      INFO(c.name << ", " << row.spec.text() << ": " << e.value << ", truth " << c.d_defended);
+      INFO(c.name << ", " << row.spec.text() << ": " << e.value << ", truth " << c.d_regularised);
       CHECK(e.estimator == row.spec.text());
       CHECK(e.value <= bound + 1e-9);
       CHECK(e.light_value <= std::log(100.0) + e.uniform + 1e-9);
@@ -582,7 +582,7 @@ TEST_CASE("Every estimator comes near the truth where it is known, as near as is
       CHECK(e.gain == Approx(e.uniform - e.value));
       // Piecewise constant smoothing distributes a third of the samples: it cannot detect regions without a hit.
       if (c.mendable && !(row.spec.name() == "histogram" && std::isinf(c.d))) {
-        CHECK(e.value == Approx(c.d_defended).margin(row.tolerance));
+        CHECK(e.value == Approx(c.d_regularised).margin(row.tolerance));
       }
     }
   }
@@ -601,7 +601,7 @@ TEST_CASE(
     INFO(spec.text() << ": " << e.value << ", bound " << bound);
     CHECK(e.value <= bound + 1e-9);
     CHECK(e.value > e.uniform + 1.0);
-    CHECK(e.undefended == infinity);
+    CHECK(e.unregularised == infinity);
     CHECK(e.js == Approx(std::log(2.0)).margin(0.06));
     CHECK(flagged(e, "censored"));
     CHECK(e.mass == infinity);

@@ -95,7 +95,7 @@ TEST_CASE("Plain nearest neighbours agree with R's FNN") {
       const auto plain = EstimatorSpec::make("knn", {{"k", k}, {"k_all", k}, {"blend", false}, {"boundary", false}});
       const Efficiency ours = efficiency(target, samples, {.estimators = {plain}});
       INFO("d = " << d << ", k = " << k);
-      CHECK(ours.undefended == Approx(theirs[0]).epsilon(0).margin(1e-9));
+      CHECK(ours.unregularised == Approx(theirs[0]).epsilon(0).margin(1e-9));
       CHECK(ours.value == Approx(theirs[1]).epsilon(0).margin(1e-9));
       CHECK(ours.light_value == Approx(theirs[2]).epsilon(0).margin(1e-9));
     }

@@ -298,7 +298,7 @@ TEST_CASE("trees and balls of every space agree with brute force", "[measure][la
 }
 
 TEST_CASE("estimates in spaces with rotations are near the truth", "[measure][chain][slow]") {
-  const auto defended = [](const Target& target, double density) {
+  const auto regularised = [](const Target& target, double density) {
     return verify::constant_defended(target.log_volume(), target.space().log_volume(), density);
   };
   SECTION("three degrees of freedom: nearest neighbours") {
@@ -307,7 +307,7 @@ TEST_CASE("estimates in spaces with rotations are near the truth", "[measure][ch
     Stream stream(3, "", "draws");
     const Efficiency itself = efficiency(target, target.draw(2000, stream));
     CHECK(itself.estimator == "knn");
-    CHECK(itself.value == Approx(defended(target, std::exp(-target.log_volume()))).margin(0.05));
+    CHECK(itself.value == Approx(regularised(target, std::exp(-target.log_volume()))).margin(0.05));
     Configurations anywhere(4);
     Configuration x(4);
     for (int i = 0; i < 3000; ++i) {
@@ -352,7 +352,7 @@ TEST_CASE("estimates in spaces with rotations are near the truth", "[measure][ch
       const double t = std::exp(-target.log_volume());
       const double low = 0.7 * u + 0.3 * t * 0.2 / (1.0 - first);
       const double high = 0.7 * u + 0.3 * t * 0.8 / first;
-      const double truth = first * defended(target, high) + (1.0 - first) * defended(target, low);
+      const double truth = first * regularised(target, high) + (1.0 - first) * regularised(target, low);
       const Efficiency e =
           efficiency(target, samples, {.estimators = {EstimatorSpec::make("arc"), EstimatorSpec::make("knn")}});
       REQUIRE(e.in_target >= 300);

@@ -94,7 +94,7 @@ std::vector<double> figures(const Efficiency& e) {
                              e.uniform_coverage_half,
                              e.value,
                              e.light_value,
-                             e.undefended,
+                             e.unregularised,
                              e.gain,
                              e.js,
                              e.along.divergence,
@@ -102,7 +102,7 @@ std::vector<double> figures(const Efficiency& e) {
                              e.along.empty_share};
   for (const auto& shares : {e.along.target, e.along.samples}) row.insert(row.end(), shares.begin(), shares.end());
   for (const Estimate& other : e.others) {
-    row.insert(row.end(), {other.value, other.light_value, other.undefended, other.gain, other.js});
+    row.insert(row.end(), {other.value, other.light_value, other.unregularised, other.gain, other.js});
   }
   return row;
 }
@@ -124,10 +124,10 @@ void check_same(const Efficiency& a, const Efficiency& b, double tolerance) {
 }
 
 /// A figure made by hand.
-Efficiency made(double value, double undefended, std::size_t in_target) {
+Efficiency made(double value, double unregularised, std::size_t in_target) {
   Efficiency e;
   e.value = value;
-  e.undefended = undefended;
+  e.unregularised = unregularised;
   e.uniform = 2.5;
   e.gain = 2.5 - value;
   e.samples = 100;
@@ -194,11 +194,11 @@ TEST_CASE("A configuration that occurs more than once carries mass and no densit
     const Efficiency without = by(spec, capsule(), base, 512);
     const Efficiency with = by(spec, capsule(), inside, 512);
     const Efficiency away = by(spec, capsule(), outside, 512);
-    CHECK(with.undefended == Approx(away.undefended).epsilon(0).margin(1e-12));
+    CHECK(with.unregularised == Approx(away.unregularised).epsilon(0).margin(1e-12));
     CHECK(with.value == Approx(away.value).epsilon(0).margin(1e-12));
     // 950 of 1000 are left to the density: -log 0.95, up to what smoothing takes from both.
     const bool smoothed = spec.name() == "histogram" && spec.text() == "histogram";
-    CHECK(with.undefended - without.undefended == Approx(-std::log(0.95)).margin(smoothed ? 0.03 : 2e-4));
+    CHECK(with.unregularised - without.unregularised == Approx(-std::log(0.95)).margin(smoothed ? 0.03 : 2e-4));
     CHECK(with.in_target == without.in_target + 50);
     CHECK(away.in_target == without.in_target);
     CHECK(with.mass == Approx(-std::log(static_cast<double>(without.in_target + 50) / 1000.0)));
@@ -207,7 +207,7 @@ TEST_CASE("A configuration that occurs more than once carries mass and no densit
   Configurations twice = base;
   for (const double x : {5.0, 5.0, 6.0, 6.0}) twice.push(std::vector{x, 5.0});
   const EstimatorSpec knn = EstimatorSpec::make("knn");
-  CHECK(by(knn, capsule(), twice).undefended - by(knn, capsule(), base).undefended ==
+  CHECK(by(knn, capsule(), twice).unregularised - by(knn, capsule(), base).unregularised ==
         Approx(std::log(954.0 / 950.0)).epsilon(0).margin(1e-5));
 }
 
@@ -441,7 +441,7 @@ TEST_CASE("Results of too few samples are flagged") {
     const Efficiency e = by(EstimatorSpec::make("knn", {{"k", k}}), capsule(), eleven);
     CAPTURE(k, e.reason);
     CHECK(std::isnan(e.value) == (k > 11));
-    CHECK(std::isnan(e.undefended) == (k > 11));
+    CHECK(std::isnan(e.unregularised) == (k > 11));
     CHECK(std::isnan(e.gain) == (k > 11));
     CHECK(std::isnan(e.js) == (k > 11));
     CHECK(flagged(e, "too few samples") == (k > 11));
@@ -457,7 +457,7 @@ TEST_CASE("Results of too few samples are flagged") {
     const Efficiency e = by(EstimatorSpec::make(name), capsule(), equal);
     CAPTURE(name, e.reason);
     CHECK(std::isnan(e.value));
-    CHECK(std::isnan(e.undefended));
+    CHECK(std::isnan(e.unregularised));
     CHECK(std::isnan(e.js));
     CHECK_FALSE(e.reason.empty());
     CHECK(flagged(e, "too few samples"));
@@ -473,7 +473,7 @@ TEST_CASE("Results of too few samples are flagged") {
     for (int i = 0; i < 400; ++i) rows.push(std::vector{4 + 0.01 * i, i < 2 ? 5.0 : 8.0});
     return rows;
   }());
-  CHECK(coarse.undefended < coarse.mass_lower95);
+  CHECK(coarse.unregularised < coarse.mass_lower95);
   CHECK(flagged(coarse, "below mass bound"));
 }
 
@@ -514,7 +514,7 @@ TEST_CASE("Input that makes no figure is refused with what is wrong and what was
   for (const EstimatorSpec& spec : all_kinds()) {
     const Efficiency e = by(spec, invalid, cloud(100, 1));
     CHECK(e.reason == "the target is empty: no valid configuration lies in it");
-    for (const double figure : {e.value, e.undefended, e.light_value, e.gain, e.js, e.mass, e.uniform, e.coverage}) {
+    for (const double figure : {e.value, e.unregularised, e.light_value, e.gain, e.js, e.mass, e.uniform, e.coverage}) {
       CHECK(std::isnan(figure));
     }
   }
@@ -570,13 +570,13 @@ TEST_CASE("Figures of several targets are averaged over those that have them, an
   a.flags = {"underpowered"};
   b.flags = {"censored", "underpowered"};
   c.flags = {"empty target", "underpowered"};
-  a.others = {Estimate{.estimator = "kde", .value = 1.5, .undefended = 3.0}};
-  b.others = {Estimate{.estimator = "kde", .value = 2.5, .undefended = 4.0},
-              Estimate{.estimator = "legacy", .value = 40.0, .undefended = 40.0}};
+  a.others = {Estimate{.estimator = "kde", .value = 1.5, .unregularised = 3.0}};
+  b.others = {Estimate{.estimator = "kde", .value = 2.5, .unregularised = 4.0},
+              Estimate{.estimator = "legacy", .value = 40.0, .unregularised = 40.0}};
   const std::vector<Efficiency> all = {c, a, b};
   const Efficiency m = mean(all);
   CHECK(m.value == 1.5);
-  CHECK(m.undefended == infinity);
+  CHECK(m.unregularised == infinity);
   CHECK(m.gain == 1.0);
   CHECK(m.uniform == 2.5);
   CHECK(std::isnan(m.js));
@@ -588,10 +588,10 @@ TEST_CASE("Figures of several targets are averaged over those that have them, an
   REQUIRE_FALSE(m.others.empty());
   CHECK(m.others.front().estimator == "kde");
   CHECK(m.others.front().value == 2.0);
-  CHECK(m.others.front().undefended == 3.5);
+  CHECK(m.others.front().unregularised == 3.5);
 
   const std::vector<Efficiency> finite = {a, made(2.0, 2.2, 40)};
-  CHECK(mean(finite).undefended == Approx(1.7));
+  CHECK(mean(finite).unregularised == Approx(1.7));
   CHECK(mean(finite).in_target == 30);
   CHECK(mean(finite).flags == std::vector<std::string>{"underpowered"});
 
@@ -601,7 +601,7 @@ TEST_CASE("Figures of several targets are averaged over those that have them, an
   CHECK_FALSE(mean(std::vector<Efficiency>{}).reason.empty());
   const std::vector<Efficiency> single = {a};
   CHECK(mean(single).value == a.value);
-  CHECK(mean(single).undefended == a.undefended);
+  CHECK(mean(single).unregularised == a.unregularised);
 }
 
 TEST_CASE("Profiles of several targets are averaged over the least number of bins, shares kept") {

@@ -37,7 +37,7 @@ inline Efficiency efficiency(double uniform, double value, std::size_t samples) 
   const bool few = samples < 40;
   e.value_lo = few ? 0.05 : value - 0.2;
   e.value_hi = few ? 4.5 : value + 0.3;
-  e.undefended = value + 0.01;
+  e.unregularised = value + 0.01;
   e.uniform = uniform;
   e.gain = uniform - value;
   e.coverage = 0.8;
@@ -165,7 +165,7 @@ inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed,
     shrink.root = Scores{efficiency(2.41, 1.48 + wobble, nodes), efficiency(2.41, 1.57 - wobble, 2 * nodes)};
     skeleton.root = Scores{efficiency(2.41, 1.86 + wobble, 25), no_figure(2.41)};
     if (seed == 3) {
-      skeleton.root->tree.undefended = std::numeric_limits<double>::infinity();
+      skeleton.root->tree.unregularised = std::numeric_limits<double>::infinity();
       skeleton.root->tree.flags = {"censored"};
     }
   }

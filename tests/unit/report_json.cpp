@@ -21,7 +21,7 @@ void check_absent(const json& e) {
   CHECK(e.at("value").is_null());
   CHECK(e.at("estimator").is_null());
   CHECK(e.at("gain").is_null());
-  CHECK(e.at("undefended").is_null());
+  CHECK(e.at("unregularised").is_null());
   CHECK(e.at("coverage").is_null());
 }
 
@@ -59,6 +59,7 @@ TEST_CASE("JSON holds every run and level", "[report][json]") {
     CHECK(out.at("status") == (run.run.solved ? "solved" : "budget_spent"));
     CHECK(out.at("solved") == run.run.solved);
     CHECK(out.at("time_s").get<double>() == run.run.seconds);  // to the last bit
+    CHECK(out.at("lua_s").get<double>() == run.run.lua_seconds);
     CHECK(out.at("validity_checks") == run.run.validity_checks);
     CHECK(out.at("motion_checks") == run.run.motion_checks);
     if (run.run.solved) {
@@ -117,7 +118,7 @@ TEST_CASE("JSON figures", "[report][json]") {
   const Efficiency& tree = result.runs[17].levels[0].own->tree;
   const json& out = run.at("levels").at(0).at("efficiency").at("tree");
   CHECK(out.at("value").get<double>() == tree.value);
-  CHECK(out.at("undefended").get<double>() == tree.undefended);
+  CHECK(out.at("unregularised").get<double>() == tree.unregularised);
   CHECK(out.at("uniform").get<double>() == tree.uniform);
   CHECK(out.at("gain").get<double>() == tree.gain);
   CHECK(out.at("estimator") == "knn");
@@ -130,7 +131,7 @@ TEST_CASE("JSON figures", "[report][json]") {
   CHECK(skeleton.at("proposals") == 0);
   check_absent(skeleton.at("efficiency").at("expansion"));
   CHECK(skeleton.at("efficiency").at("expansion").at("n") == 0);
-  CHECK(skeleton.at("root_efficiency").at("tree").at("undefended") == "inf");
+  CHECK(skeleton.at("root_efficiency").at("tree").at("unregularised") == "inf");
   CHECK(skeleton.at("root_efficiency").at("tree").at("flags") == json({"censored"}));
 
   // An unsolved run has no target: the same fields, all null.

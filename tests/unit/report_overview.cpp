@@ -191,6 +191,20 @@ TEST_CASE("the set-up of guides has a column where it is more than a tenth of th
   }
 }
 
+TEST_CASE("the share of functions in Lua has a column where a strategy has such functions", "[report]") {
+  for (const double share : {0.0, 0.25}) {
+    auto [experiment, result] = fixture::passage();
+    for (RunResult& run : result.runs) {
+      run.cpu_seconds = 2.0;
+      if (run.strategy == "nested") run.run.lua_seconds = share * run.cpu_seconds;
+    }
+    const std::string text = overview(experiment, result);
+    CHECK(has(text, "Lua %") == (share > 0.0));
+    CHECK(summarise(experiment, result, "simple_passage", "nested").lua_share == share);
+    CHECK(summarise(experiment, result, "simple_passage", "rrt").lua_share == 0.0);
+  }
+}
+
 TEST_CASE("of two guides that are called the same each has its own ablation", "[report][verdict]") {
   const StrategySpec twice =
       GuideSpec::make("shrink", {}) >> GuideSpec::make("lazy", {}) >> GuideSpec::make("shrink", {}) >> fixture::plain();

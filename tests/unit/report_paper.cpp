@@ -47,7 +47,7 @@ std::pair<Experiment, ExperimentResult> published() {
       if (!level.root) continue;
       Estimate plain = level.root->tree;
       plain.estimator = "legacy";
-      plain.undefended = run.strategy == "rrt" ? 30.0 : run.strategy == "third" ? 40.0 : 7.0;
+      plain.unregularised = run.strategy == "rrt" ? 30.0 : run.strategy == "third" ? 40.0 : 7.0;
       level.root->tree.others = {plain};
       level.root_cross = level.root;
       level.root_cross->tree.value += 0.4;
@@ -145,7 +145,7 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
       // Estimates below the mass bound, as nearest neighbours give them: SE is at least 0.3 in every run.
       e->estimator = "knn";
       e->value = -0.4;
-      e->undefended = -0.2;
+      e->unregularised = -0.2;
       e->mass_lower95 = 0.35;
       e->perfect = 0.05;
       e->value_lo = least_value(*e);

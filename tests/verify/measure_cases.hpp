@@ -27,10 +27,10 @@ struct Case {
   /// The same target with other evaluation points: a common error of all repetitions would look like bias.
   std::function<std::shared_ptr<const Target>(std::uint64_t)> remake;
   std::function<void(Stream&, MutableView)> draw;
-  double d = 0.0;           ///< D(T || Q)
-  double d_defended = 0.0;  ///< D_eps, eps = 0.05
-  bool standard = false;    ///< one of the four that the required error is taken over
-  bool mendable = true;     ///< false: no estimator can be right
+  double d = 0.0;              ///< D(T || Q)
+  double d_regularised = 0.0;  ///< D_eps, eps = 0.05
+  bool standard = false;       ///< one of the four that the required error is taken over
+  bool mendable = true;        ///< false: no estimator can be right
 
   [[nodiscard]] Configurations samples(std::size_t count, std::uint64_t repetition) const {
     Stream stream(repetition, name, "verify");
@@ -58,21 +58,21 @@ inline double ball(std::size_t d) { return std::exp(log_unit_ball(d)); }
 
 /// D_eps where Q has the density q throughout A.
 inline double constant_defended(double log_a, double log_c, double q) {
-  return -log_a - std::log((1.0 - defence) * q + defence * std::exp(-log_c));
+  return -log_a - std::log((1.0 - uniform_mix) * q + uniform_mix * std::exp(-log_c));
 }
 
 /// D and D_eps of a known density, over all points of a large target.
 inline std::pair<double, double> integrate(const Target& target, const std::function<double(View)>& density) {
   double plain = 0.0;
-  double defended = 0.0;
+  double regularised = 0.0;
   const double u = std::exp(-target.space().log_volume());
   const auto n = static_cast<double>(target.pool().size());
   for (std::size_t i = 0; i < target.pool().size(); ++i) {
     const double q = density(target.pool()[i]);
     plain += (target.log_density(i) - std::log(q)) / n;
-    defended += (target.log_density(i) - std::log((1.0 - defence) * q + defence * u)) / n;
+    regularised += (target.log_density(i) - std::log((1.0 - uniform_mix) * q + uniform_mix * u)) / n;
   }
-  return {plain, defended};
+  return {plain, regularised};
 }
 
 /// Gaussian noise about the edges of a tree in the plane, and uniform: what an RRT's nodes look like, with a density.
@@ -249,11 +249,11 @@ inline std::vector<Case> closed_cases() {
     return std::make_shared<const Target>(Target::distribution(wide, TargetSettings{}, gaussian));
   };
   const auto bell = make_bell(5);
-  double defended = 0.0;
+  double regularised = 0.0;
   for (std::size_t i = 0; i < bell->pool().size(); ++i) {
     const View x = bell->pool()[i];
-    defended += log_normal(x, 0.0, s0) -
-                std::log((1 - defence) * std::exp(log_normal(x, shift, s1)) + defence * std::exp(-wide.log_volume()));
+    regularised += log_normal(x, 0.0, s0) - std::log((1 - uniform_mix) * std::exp(log_normal(x, shift, s1)) +
+                                                     uniform_mix * std::exp(-wide.log_volume()));
   }
   cases.push_back({"Gaussian from a Gaussian", "D = log(s1^2/s0^2) + (2 s0^2 + m^2) / (2 s1^2) - 1", bell, make_bell,
                    [=](Stream& s, MutableView x) {
@@ -261,7 +261,7 @@ inline std::vector<Case> closed_cases() {
                      x[1] = s1 * s.normal();
                    },
                    2 * std::log(s1 / s0) + (2 * s0 * s0 + shift * shift) / (2 * s1 * s1) - 1,
-                   defended / static_cast<double>(bell->pool().size())});
+                   regularised / static_cast<double>(bell->pool().size())});
 
   cases.push_back({"atom at the goal", "uniform, and the goal itself with 10 %: D = uniform - log 0.9", capsule,
                    make_capsule,
@@ -275,7 +275,7 @@ inline std::vector<Case> closed_cases() {
                    log_c - std::log(capsule_volume) - std::log(0.9),
                    constant_defended(std::log(capsule_volume), log_c, 0.9 * std::exp(-log_c))});
 
-  const double bound = std::log(1 / defence) + log_c - std::log(capsule_volume);
+  const double bound = std::log(1 / uniform_mix) + log_c - std::log(capsule_volume);
   cases.push_back({"disjoint", "uniform where x2 > 7: D = inf, D_eps = log(1/eps) + uniform", capsule, make_capsule,
                    [plane](Stream& s, MutableView x) {
                      plane.sample_uniform(s, x);

@@ -114,11 +114,11 @@ inline std::vector<SupportedCase> supported_cases(std::size_t dimension) {
   /// The rest of the target has no mass.
   const auto add = [&](const std::string& name, const std::string& kind, const Draw& draw,
                        const std::vector<Part>& parts) {
-    const double mixed = defence * std::exp(-uniform);
+    const double mixed = uniform_mix * std::exp(-uniform);
     double truth = 0.0;
     double rest = 1.0;
     for (const Part& part : parts) {
-      truth -= part.share * std::log((1.0 - defence) * part.mass / part.share + mixed);
+      truth -= part.share * std::log((1.0 - uniform_mix) * part.mass / part.share + mixed);
       rest -= part.share;
     }
     cases.push_back({name, kind, draw, truth - rest * std::log(mixed)});

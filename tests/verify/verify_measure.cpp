@@ -56,7 +56,7 @@ Errors errors_of(const std::vector<double>& values, double truth) {
 }
 
 struct Measured {
-  Errors defended;
+  Errors regularised;
   Errors plain;
   std::vector<double> values;
 };
@@ -83,12 +83,12 @@ Measured measure(const Case& c, std::size_t n, std::size_t repetitions, const Es
   std::vector<double> plain;
   for (const Efficiency& e : found) {
     m.values.push_back(e.value);
-    plain.push_back(e.undefended);
+    plain.push_back(e.unregularised);
   }
-  m.defended = errors_of(m.values, c.d_defended);
+  m.regularised = errors_of(m.values, c.d_regularised);
   m.plain = errors_of(plain, c.d);
   for (const Efficiency& e : found) {
-    for (const auto& flag : e.flags) ++m.defended.flags[flag];
+    for (const auto& flag : e.flags) ++m.regularised.flags[flag];
   }
   return m;
 }
@@ -155,25 +155,25 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
   std::vector<std::string> names;
   for (const Case& c : cases) {
     std::string row =
-        fmt::format("| {}: {} | {} | {} |", c.name, cell(c.what), truth_text(c.d), truth_text(c.d_defended));
+        fmt::format("| {}: {} | {} | {} |", c.name, cell(c.what), truth_text(c.d), truth_text(c.d_regularised));
     std::string infinite;
     std::string flags;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       const Measured m = measure(c, numbers[k], report.repetitions, knn);
-      row += fmt::format(" {} ± {:.3f} |", signed_text(m.defended.bias), m.defended.spread);
-      bias[k].push_back(m.defended.bias);
-      spread[k].push_back(m.defended.spread);
+      row += fmt::format(" {} ± {:.3f} |", signed_text(m.regularised.bias), m.regularised.spread);
+      bias[k].push_back(m.regularised.bias);
+      spread[k].push_back(m.regularised.spread);
       if (numbers[k] != 1000) continue;
       infinite = fmt::format("{}", m.plain.infinite);
-      for (const auto& [flag, times] : m.defended.flags)
+      for (const auto& [flag, times] : m.regularised.flags)
         flags += fmt::format("{}{} {}", flags.empty() ? "" : ", ", flag, times);
       if (std::isinf(c.d) && c.mendable) {
         report.require(m.plain.infinite == report.repetitions, c.name + ": D is inf in every repetition");
         report.require(std::all_of(m.values.begin(), m.values.end(),
-                                   [&](double v) { return v <= c.d_defended + 0.01 && v > c.d_defended - 0.15; }),
+                                   [&](double v) { return v <= c.d_regularised + 0.01 && v > c.d_regularised - 0.15; }),
                        fmt::format("{}: D_eps at its bound log(1/eps) + uniform = {:.3f}, but for the half sample that "
                                    "N samples without a hit leave possible ({:+.3f} at N = 1000)",
-                                   c.name, c.d_defended, m.defended.bias));
+                                   c.name, c.d_regularised, m.regularised.bias));
       }
     }
     report.text += fmt::format("{} {} | {} |\n", row, infinite, flags.empty() ? "-" : flags);
@@ -223,7 +223,7 @@ void estimator_table(Report& report, const std::vector<Case>& cases) {
         double squares = 0.0;
         for (const Case& c : cases) {
           if (!c.standard || c.name.find(space) == std::string::npos) continue;
-          const double rmse = measure(c, n, row.repetitions, spec).defended.rmse;
+          const double rmse = measure(c, n, row.repetitions, spec).regularised.rmse;
           squares += 0.25 * rmse * rmse;
         }
         const double rmse = std::sqrt(squares);
@@ -262,12 +262,12 @@ void interval_table(Report& report, const std::vector<Case>& cases) {
     double half = 0.0;
     for (std::size_t e = 0; e < experiments; ++e) {
       const Interval interval = student_interval(std::span(m.values).subspan(e * runs_each, runs_each));
-      if (interval.lo <= c.d_defended && c.d_defended <= interval.hi) ++covered;
+      if (interval.lo <= c.d_regularised && c.d_regularised <= interval.hi) ++covered;
       half += 0.5 * (interval.hi - interval.lo) / static_cast<double>(experiments);
     }
     report.text += fmt::format("| {} | {:.0f} % | {} | {:.3f} |\n", c.name,
                                100.0 * static_cast<double>(covered) / static_cast<double>(experiments),
-                               signed_text(m.defended.bias), half);
+                               signed_text(m.regularised.bias), half);
   }
   report.text += '\n';
 }
@@ -304,11 +304,11 @@ void rrt_table(Report& report) {
         const Efficiency& found = r.levels.front().root_cross->expansion;
         const double truth = found.uniform - std::log(0.95);
         if (e > 0) {
-          knn.push_back(found.undefended - truth);
+          knn.push_back(found.unregularised - truth);
           continue;
         }
-        exact.push_back(found.undefended - truth);
-        if (!found.others.empty()) knn.push_back(found.others.front().undefended - truth);
+        exact.push_back(found.unregularised - truth);
+        if (!found.others.empty()) knn.push_back(found.others.front().unregularised - truth);
       }
       const Interval k = student_interval(knn);
       if (k.lo <= 0.0 && 0.0 <= k.hi) ++covered;
@@ -350,7 +350,7 @@ void exact_table(Report& report) {
     for (const LevelRecord& level : record.levels) {
       if (!level.root_proposal_density || level.root_proposals().empty()) continue;
       const LevelRecord& root = record.levels.front();
-      const auto defended = [&](std::int64_t pool, const char* estimator) {
+      const auto regularised = [&](std::int64_t pool, const char* estimator) {
         TubeSettings settings;
         settings.pool = pool;
         const Target target(root.space, record.path, root.position_axes, settings, root.valid, 1);
@@ -358,11 +358,11 @@ void exact_table(Report& report) {
                           {.estimators = {EstimatorSpec::make(estimator)}, .density = level.root_proposal_density})
             .value;
       };
-      const double coarse = defended(TubeSettings{}.pool, "exact");
-      const double fine = defended(1 << 18, "exact");
+      const double coarse = regularised(TubeSettings{}.pool, "exact");
+      const double fine = regularised(1 << 18, "exact");
       report.text +=
           fmt::format("| {} | {} | {:.4f} | {:.4f} | {:+.4f} | {} | {:.2f} |\n", problem.name, level.name, coarse, fine,
-                      coarse - fine, level.root_proposals().size(), defended(TubeSettings{}.pool, "knn"));
+                      coarse - fine, level.root_proposals().size(), regularised(TubeSettings{}.pool, "knn"));
       worst = std::max(worst, std::abs(coarse - fine));
     }
   }
@@ -390,14 +390,14 @@ void spatial_table(Report& report) {
   const EstimatorSpec knn = EstimatorSpec::make("knn");
   double worst = 0.0;
   for (const Case& c : verify::spatial_cases()) {
-    std::string row = fmt::format("| {}: {} | {:.3f} | {:.3f} |", c.name, c.what, c.target->uniform(), c.d_defended);
+    std::string row = fmt::format("| {}: {} | {:.3f} | {:.3f} |", c.name, c.what, c.target->uniform(), c.d_regularised);
     for (const std::size_t n : {100U, 300U, 1000U, 3000U}) {
-      const double rmse = measure(c, 10 * n / 3, repetitions, arc).defended.rmse;
+      const double rmse = measure(c, 10 * n / 3, repetitions, arc).regularised.rmse;
       if (n >= 300) worst = std::max(worst, rmse);
       row += fmt::format(" {:.3f} |", rmse);
     }
     for (const std::size_t n : {300U, 1000U}) {
-      const Errors errors = measure(c, 10 * n / 3, few, knn).defended;
+      const Errors errors = measure(c, 10 * n / 3, few, knn).regularised;
       row += fmt::format(" {:.3f} ({}) |", errors.rmse, signed_text(errors.bias));
     }
     report.text += row + '\n';

@@ -538,7 +538,12 @@ class Verbs {
       // A word of the language that is a session command too has more to read.
       const bool word = std::any_of(dsl::words().begin(), dsl::words().end(),
                                     [&](const dsl::Word& one) { return one.name == verb && verb != "help"; });
-      say(known.empty() || word ? known + dsl::help_text_of(call, call[1], columns) : known);
+      if (known.empty() || word) {
+        say(known + dsl::help_text_of(call, call[1], columns));
+      } else {
+        const std::string options = dsl::option_help(verb, columns);
+        say(options.empty() ? known : known + '\n' + options);
+      }
     }
     return 0;
   }

@@ -46,7 +46,7 @@ std::string in(const std::string& folder, const char* name) { return (std::files
 
 void remove_times(Json& json) {
   if (json.is_object()) {
-    for (const char* name : {"time_s", "cpu_s", "path_cpu_s", "set_up_s"}) json.erase(std::string(name));
+    for (const char* name : {"time_s", "cpu_s", "lua_s", "path_cpu_s", "set_up_s"}) json.erase(std::string(name));
   }
   if (json.is_structured()) {
     for (Json& part : json) remove_times(part);

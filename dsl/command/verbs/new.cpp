@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 /// Placeholders: @NAME@ for the given path of the script, @TITLE@ for its name.
 constexpr std::string_view script = R"LUA(-- @TITLE@: a strategy of guiding spaces, compared with its planner alone.
 --
---   trellis run @NAME@                       plans, and prints the report
---   trellis run @NAME@ --html report.html    and writes a page that replays every run
---   trellis test @TEST@                runs its scenarios, which say what is expected of it
---   trellis check @NAME@                     plans nothing, prints each strategy as a tree
---   trellis help skeleton                  explains a word of the language; `trellis help` lists all
+--   to plan, and print the report:             trellis run @NAME@
+--   to write a page that replays every run:    trellis run @NAME@ --html report.html
+--   to print each strategy without planning:   trellis check @NAME@
+--   to run its scenarios, what is expected:    trellis test @TEST@
+--   to read about a word, here skeleton:       trellis help skeleton
 
 -- Lengths are in metres, angles in radians. The whole robot stays inside the bounds.
 local house = world {
@@ -43,8 +43,8 @@ local doorway = problem {
   goal  = {9, 1, 0},
 }
 
--- Read `>>` as "guides": regions that travel along the medial axis of the free workspace guide the tree. Guides can be
--- guided too, as in skeleton() >> shrink(0.5) >> planner.
+-- Read `>>` as "guides": a path along the medial axis of the free workspace guides the tree. Guides can be guided too,
+-- as in skeleton() >> shrink(0.5) >> planner.
 local planner = rrt { step = 0.5 }
 local guided = skeleton() >> planner
 
@@ -60,9 +60,9 @@ return experiment {
 /// Placeholder: @FILE@ for the script's name in its folder.
 constexpr std::string_view test_script = R"LUA(-- @TITLE@: what the strategies of @FILE@ are to achieve.
 --
---   trellis test @NAME@                      runs the scenarios, and says what holds
+--   to run the scenarios:   trellis test @NAME@
 
-scenario "regions help the tree through the doorway" (function()
+scenario "the medial axis guides the tree through the doorway" (function()
   local it = given { script = "@FILE@" }
   local guided, planner = when { it.guided, it.planner, seeds = 20 }
 

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include <dsl/language/core/construct.hpp>
 #include <dsl/language/tools/words.hpp>
 
@@ -42,6 +45,19 @@ std::string word_of(Stack& call, Value value) {
   return found;
 }
 
+/// Returns the members of a value's type; "" where it has none.
+std::string members_of(Value value, std::size_t width) {
+  std::string described = value.describe();  // "a robot"
+  described.erase(0, described.find(' ') + 1);
+  if (described.empty()) return "";
+  described.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(described.front())));
+  const std::string name = "trellis." + described;
+  const auto& types = object_types();
+  const bool known = std::any_of(types.begin(), types.end(),
+                                 [&](const ObjectType& type) { return type.name == name && !type.members.empty(); });
+  return known ? help_text(name, width) : "";
+}
+
 }  // namespace
 
 std::string help_text_of(Stack& call, Value value, std::size_t width) {
@@ -62,7 +78,11 @@ std::string help_text_of(Stack& call, Value value, std::size_t width) {
     const std::string word = word_of(call, value);
     if (!word.empty()) return help_text(word, width);
   }
-  if (value.type() == Type::object) return fmt::format("{}: {}\n", value.describe(), value.text());
+  if (value.type() == Type::object) {
+    const std::string text = fmt::format("{}: {}\n", value.describe(), value.text());
+    const std::string members = members_of(value, width);
+    return members.empty() ? text : text + '\n' + members;
+  }
   throw Error(fmt::format("help: nothing is known about {}; help() lists all words", describe(value)));
 }
 

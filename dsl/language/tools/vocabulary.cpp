@@ -113,6 +113,19 @@ std::string plain_name(const ObjectType& type) {
   return name;
 }
 
+/// Returns "a robot", "an outcome".
+std::string a_value(const ObjectType& type) {
+  const std::string name = plain_name(type);
+  return (std::string_view("aeiou").find(name.front()) != std::string_view::npos ? "an " : "a ") + name;
+}
+
+/// Returns the line of a member of values: ".path", ":recentred()".
+std::string row_of_member(const Field& member, std::size_t width) {
+  const bool method = member.type.starts_with("fun(self");
+  return row(method ? ':' + member.name + "()" : '.' + member.name, member.doc.empty() ? member.expects : member.doc,
+             width);
+}
+
 std::string text_of(const ObjectType& type, std::size_t width) {
   std::string text = lines(fmt::format("{} (type): {}", plain_name(type), type.summary), width);
   if (!type.operations.empty()) text += "\noperators:\n";
@@ -130,11 +143,7 @@ std::string text_of(const ObjectType& type, std::size_t width) {
     for (const ObjectType& parent : object_types()) of = parent.name == type.parent ? &parent : of;
   }
   if (!of->members.empty()) text += "\nto be read:\n";
-  for (const Field& member : of->members) {
-    const bool method = member.type.starts_with("fun(self");
-    text += row(method ? ':' + member.name + "()" : '.' + member.name, member.doc.empty() ? member.expects : member.doc,
-                width);
-  }
+  for (const Field& member : of->members) text += row_of_member(member, width);
   return text;
 }
 
@@ -167,7 +176,7 @@ bool has_part(std::string_view text, std::string_view part) {
   return false;
 }
 
-/// Returns the options and fields of this name, each meaning once with the words that have it; "" for none.
+/// Returns the options, fields and members of this name, each meaning once with the words that have it; "" for none.
 std::string options_text(const std::string& name, std::size_t width) {
   std::vector<std::pair<std::string, std::vector<std::string>>> meanings;
   const auto add = [&](const std::string& meaning, const std::string& word) {
@@ -184,8 +193,13 @@ std::string options_text(const std::string& name, std::size_t width) {
       if (field.name == name) add(rows_of(field, width), word.name);
     }
   }
+  for (const ObjectType& type : object_types()) {
+    for (const Field& member : type.members) {
+      if (member.name == name) add(row_of_member(member, width), a_value(type));
+    }
+  }
   if (meanings.empty()) return "";
-  std::string text = fmt::format("{} is no word; it is an option or a field\n", name);
+  std::string text = fmt::format("{} is an option or a field\n", name);
   for (const auto& [meaning, of] : meanings) {
     text += '\n' + lines(fmt::format("of {}:", fmt::join(of, ", ")), width) + meaning;
   }
@@ -215,12 +229,14 @@ std::string near_words(const std::string& name, std::size_t width) {
   if (found.empty()) return "";
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   found.resize(std::min(found.size(), most));
-  std::string text = fmt::format("{} is no word; near it are\n\n", name);
+  std::string text = fmt::format("no word is called '{}'; near it are\n\n", name);
   for (const auto& [rank, word] : found) text += row(word->name, word->summary, width);
   return text;
 }
 
 }  // namespace
+
+std::string option_help(const std::string& name, std::size_t width) { return options_text(name, width); }
 
 std::string vocabulary_text(std::size_t width) {
   std::string text;
@@ -255,6 +271,7 @@ std::string vocabulary_text(std::size_t width) {
 }
 
 std::string help_text(const std::string& name, std::size_t width) {
+  if (name.empty()) return vocabulary_text(width);
   std::vector<std::string> known = {"report"};
   std::string in_reports = report_words(name, width);
   for (const Word& word : words()) {
@@ -279,7 +296,23 @@ std::string help_text(const std::string& name, std::size_t width) {
     if (!text.empty()) return text;
   }
   for (const ReportTerm& term : report_terms()) known.push_back(term.name);
-  throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", name, did_you_mean(name, known)));
+  for (const Word& word : words()) {
+    for (const Option& option : word.options) known.push_back(option.name);
+    for (const Field& field : word.fields) known.push_back(field.name);
+  }
+  for (const ObjectType& type : object_types()) {
+    for (const Field& member : type.members) known.push_back(member.name);
+  }
+  std::string offer = did_you_mean(name, known);
+  // Else the longest name that it begins with: step of stepsize.
+  constexpr std::size_t least = 4;
+  const std::string* begins = nullptr;
+  for (const std::string& one : known) {
+    if (one.size() < least || !name.starts_with(one)) continue;
+    if (begins == nullptr || one.size() > begins->size()) begins = &one;
+  }
+  if (offer.empty() && begins != nullptr) offer = fmt::format(" (did you mean '{}'?)", *begins);
+  throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", name, offer));
 }
 
 }  // namespace trellis::dsl

@@ -19,6 +19,7 @@
 #include <dsl/language/words/scene_values.hpp>
 #include <dsl/lua/digest.hpp>
 #include <dsl/lua/snapshot.hpp>
+#include <trellis/base/lua_time.hpp>
 #include <trellis/guide/pieces.hpp>
 
 namespace trellis::dsl {
@@ -538,6 +539,7 @@ std::shared_ptr<RunInterpreter> Reload::interpreter() const {
   }
   if (!loaded) {
     ++loads_;
+    const LuaTimer timer;
     auto run = load_();
     if (!reuse_) return run;
     loaded = std::make_shared<Loaded>(std::move(run));

@@ -18,6 +18,7 @@
 #include <dsl/language/words/instance_value.hpp>
 #include <dsl/language/words/known_value.hpp>
 #include <dsl/language/words/scene_values.hpp>
+#include <trellis/base/lua_time.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/lifted.hpp>
@@ -171,6 +172,7 @@ class Calls {
   void protect(const Body& body) const {
     std::unique_lock<std::recursive_mutex> lock;
     if (run_->shared) lock = std::unique_lock(*run_->shared);
+    const LuaTimer timer;
     RandomSource& random = *run_->book->random;
     const Restore restore{random.now, std::exchange(random.now, &math_)};
     try {

@@ -230,7 +230,7 @@ std::string narrow_warning(const Problem& problem) {
         if (link.clearance >= radius * (1.0 - rounding)) return "";
         return fmt::format(
             "problem '{}': the robot fits no gap between start and goal: the widest route is {:.3g} m wide, and the "
-            "robot contains a disc of {:.3g} m about its reference point",
+            "robot contains a disc {:.3g} m wide about its reference point",
             problem.name, 2.0 * link.clearance, 2.0 * radius);
       }
     }

@@ -175,11 +175,12 @@ struct SummaryColumns {
   bool crossed = false;  ///< scored on other seeds' paths
   bool anytime = false;  ///< some planner continues after its first path
   bool set_up = false;   ///< the set-up of guides is a considerable part of some cost
+  bool lua = false;      ///< some strategy has functions in Lua
 };
 
 std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes,
                         const SummaryColumns& columns, Marks& marks) {
-  const auto& [measured, pooled, crossed, anytime, set_up] = columns;
+  const auto& [measured, pooled, crossed, anytime, set_up, lua] = columns;
   std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
                                 head, s.solved, s.runs, wilson_text(s.success));
   if (measured) {
@@ -196,7 +197,9 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
   out += cell(count_text(s.validity_checks.value));
   if (anytime) out += cell(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
   if (set_up) out += cell(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
-  return out + cell(milliseconds(s.seconds.value)) + cell(interval_html(s.length)) + "</tr>\n";
+  out += cell(milliseconds(s.seconds.value));
+  if (lua) out += cell(escaped(lua_share_text(s.lua_share)));
+  return out + cell(interval_html(s.length)) + "</tr>\n";
 }
 
 /// Returns a patch of a strategy's colour in the figures; none for an ablation.
@@ -251,6 +254,7 @@ std::string summary_table(const HtmlContent& content) {
       shown.pooled = shown.pooled || headline(root, SampleRole::tree).seeds > 0;
       shown.crossed = shown.crossed || root.root_cross.tree.scored > 0;
       shown.anytime = shown.anytime || !std::isnan(one.runs.improvement_checks);
+      shown.lua = shown.lua || one.runs.lua_share > 0.0;
       shown.set_up = shown.set_up || one.runs.set_up_share > least_set_up_share;
     }
   }
@@ -266,6 +270,7 @@ std::string summary_table(const HtmlContent& content) {
   if (shown.set_up) medians.names.emplace_back("set-up, checks");
   medians.names.emplace_back("time, ms");
   columns.push_back(std::move(medians));
+  if (shown.lua) columns.push_back({"of the time", {"Lua %"}});
   columns.push_back({"mean", {"path, m"}});
   std::size_t width = 1;
   for (const auto& group : columns) width += group.names.size();

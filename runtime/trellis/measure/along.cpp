@@ -29,15 +29,15 @@ Along along_path(const Target& target, std::span<const double> arcs, std::size_t
   const auto n = static_cast<double>(arcs.size());
   along.divergence = 0.0;
   along.empty_share = 0.0;
-  double defended = 0.0;
-  const double mixed = defence * std::exp(-target.uniform());  // uniform samples in A, distributed as the target
-  const double own = (1.0 - defence) * mass;
+  double regularised = 0.0;
+  const double mixed = uniform_mix * std::exp(-target.uniform());  // uniform samples in A, distributed as the target
+  const double own = (1.0 - uniform_mix) * mass;
   for (std::size_t j = 0; j < count; ++j) {
     const double t = along.target[j] / static_cast<double>(points);
     const double c = along.samples[j];
     const double q = (c + 0.5) / (n + 0.5 * bins);
     if (t > 0.0) along.divergence += t * std::log(t / q);
-    if (t > 0.0) defended += t * std::log(t * (own + mixed) / (own * q + mixed * t));
+    if (t > 0.0) regularised += t * std::log(t * (own + mixed) / (own * q + mixed * t));
     if (c == 0.0) along.empty_share += t;
     along.target[j] = t;
     along.samples[j] = c / n;
@@ -46,7 +46,7 @@ Along along_path(const Target& target, std::span<const double> arcs, std::size_t
   along.corrected = along.divergence - bias;
   if (target.is_uniform()) {
     const double kept = own / (own + mixed);  // the error of q enters squared
-    along.defended = defended - bias * kept * kept;
+    along.regularised = regularised - bias * kept * kept;
   }
   return along;
 }

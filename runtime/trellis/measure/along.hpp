@@ -21,7 +21,7 @@ struct Along {
   std::vector<double> samples;                               ///< share of the samples in the target in each bin
   /// `divergence` without its bias for few samples, (J - 1) / 2n, and the same for Q mixed with 5 % uniform samples.
   double corrected = std::numeric_limits<double>::quiet_NaN();
-  double defended = std::numeric_limits<double>::quiet_NaN();
+  double regularised = std::numeric_limits<double>::quiet_NaN();
 };
 
 namespace measure {

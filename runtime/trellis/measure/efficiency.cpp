@@ -49,16 +49,16 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
     parts.along = along;
     if (across) parts.across = parts.spread - parts.along;
   };
-  ChainRule& plain = estimate.undefended_parts;
+  ChainRule& plain = estimate.unregularised_parts;
   // Within sampling error the mass of the recorded density equals that of Q. Where it is smaller, h proposes points of
   // a path themselves: mass without a density, which only counting finds. The spread then contains the loss.
   if (plain.mass > whole.mass_hi) plain.mass = whole.mass;
   if (std::isnan(plain.mass)) plain.mass = whole.mass;
-  complete(plain, estimate.undefended, whole.along.corrected);
+  complete(plain, estimate.unregularised, whole.along.corrected);
   if (!target.is_uniform()) return;
   const double assumed = std::isinf(plain.mass) ? measure::mass_without_hit(whole.samples) : plain.mass;
   estimate.parts.mass = defended_mass(assumed, whole.uniform);
-  complete(estimate.parts, estimate.value, whole.along.defended);
+  complete(estimate.parts, estimate.value, whole.along.regularised);
 }
 
 /// Computes the share of the evaluation points within a distance of a sample, and the expected share for uniform
@@ -152,7 +152,7 @@ void estimate(const measure::Evaluation& evaluation, const Scoring& scoring, Eff
     Estimate estimate = kind.estimate(spec.options(), evaluation);
     // Density that smoothing places where no sample lies is no evidence. (`legacy` consists of its floor only.)
     if (hits == 0 && spec.name() != "exact" && spec.name() != "legacy") {
-      estimate.undefended = std::numeric_limits<double>::infinity();
+      estimate.unregularised = std::numeric_limits<double>::infinity();
     }
     estimate.estimator = spec.text();
     split(estimate, result, target);
@@ -167,7 +167,7 @@ void estimate(const measure::Evaluation& evaluation, const Scoring& scoring, Eff
     found = true;
   }
   if (found) {
-    if (result.undefended < result.mass_lower95 - bound_margin) result.flags.emplace_back("below mass bound");
+    if (result.unregularised < result.mass_lower95 - bound_margin) result.flags.emplace_back("below mass bound");
     return;
   }
   result.estimator = scoring.estimators.empty() ? "" : scoring.estimators.back().text();
@@ -276,10 +276,10 @@ Estimate mean_estimate(std::span<const Estimate> estimates) {
   Estimate result;
   result.estimator = estimates.front().estimator;
   for (double Estimate::*field :
-       {&Estimate::value, &Estimate::light_value, &Estimate::undefended, &Estimate::gain, &Estimate::js}) {
+       {&Estimate::value, &Estimate::light_value, &Estimate::unregularised, &Estimate::gain, &Estimate::js}) {
     result.*field = mean_of(estimates, [&](const Estimate& e) { return e.*field; });
   }
-  for (ChainRule Estimate::*parts : {&Estimate::parts, &Estimate::undefended_parts}) {
+  for (ChainRule Estimate::*parts : {&Estimate::parts, &Estimate::unregularised_parts}) {
     for (double ChainRule::*part : {&ChainRule::mass, &ChainRule::spread, &ChainRule::along, &ChainRule::across}) {
       result.*parts.*part = mean_of(estimates, [&](const Estimate& e) { return e.*parts.*part; });
     }
@@ -308,7 +308,7 @@ Along mean_along(std::span<const Efficiency> figures) {
   result.divergence = mean_of(figures, [](const Efficiency& e) { return e.along.divergence; });
   result.empty_share = mean_of(figures, [](const Efficiency& e) { return e.along.empty_share; });
   result.corrected = mean_of(figures, [](const Efficiency& e) { return e.along.corrected; });
-  result.defended = mean_of(figures, [](const Efficiency& e) { return e.along.defended; });
+  result.regularised = mean_of(figures, [](const Efficiency& e) { return e.along.regularised; });
   result.length = mean_of(figures, [](const Efficiency& e) { return e.along.length; });
   std::size_t bins = 0;
   double with = 0.0;
@@ -367,7 +367,7 @@ Efficiency shown(Efficiency efficiency) {
       if (!std::isnan(parts.across)) parts.across = parts.spread - parts.along;
     };
     const double certain = efficiency.mass_lower95;
-    bound(e.undefended, e.undefended_parts, certain);
+    bound(e.unregularised, e.unregularised_parts, certain);
     const double least = least_value(efficiency);
     bound(e.value, e.parts, std::isnan(least) ? 0.0 : least);
     e.light_value = std::max(e.light_value, 0.0);

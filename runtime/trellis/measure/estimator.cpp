@@ -44,7 +44,7 @@ Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log
   const double log_uniform = -target.space().log_volume();
   const auto count = static_cast<double>(log_density.size());
   double plain = 0.0;
-  double defended = 0.0;
+  double regularised = 0.0;
   double light = 0.0;
   double own = 0.0;    // log T
   double total = 0.0;  // the mass of q in A, by the evaluation points
@@ -56,16 +56,16 @@ Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log
     const double log_q = reachable ? log_density[i] : -std::numeric_limits<double>::infinity();
     own += log_t;
     plain += log_q;
-    defended += log_sum(std::log1p(-defence) + log_q, std::log(defence) + log_uniform);
-    light += log_sum(std::log1p(-light_defence) + log_q, std::log(light_defence) + log_uniform);
+    regularised += log_sum(std::log1p(-uniform_mix) + log_q, std::log(uniform_mix) + log_uniform);
+    light += log_sum(std::log1p(-light_uniform_mix) + log_q, std::log(light_uniform_mix) + log_uniform);
     const double ratio = std::exp(log_q - log_t);
     total += ratio;
     target_js += std::numbers::ln2 - std::log1p(ratio);
     if (ratio > 0.0) sample_js += ratio * (std::numbers::ln2 - std::log1p(1.0 / ratio));
   }
   Estimate result;
-  result.undefended = (own - plain) / count;
-  result.value = (own - defended) / count;
+  result.unregularised = (own - plain) / count;
+  result.value = (own - regularised) / count;
   result.light_value = (own - light) / count;
   result.gain = target.uniform() - result.value;
   // The part of Q outside of A, and its atoms, share no point with T: log 2 each. The rest of Q is an integral over A,
@@ -111,7 +111,7 @@ std::string unfit_in(const Space& space, const EstimatorSpec& estimator) {
 }
 
 double defended_mass(double mass, double uniform) {
-  return -std::log((1.0 - defence) * std::exp(-mass) + defence * std::exp(-uniform));
+  return -std::log((1.0 - uniform_mix) * std::exp(-mass) + uniform_mix * std::exp(-uniform));
 }
 
 const std::vector<EstimatorSpec>& default_estimators() {

@@ -12,9 +12,9 @@
 
 namespace trellis {
 
-/// The uniform shares of the defended divergences: of the headline and of the second value.
-inline constexpr double defence = 0.05;
-inline constexpr double light_defence = 0.01;
+/// The shares of uniform samples mixed into Q for the regularised divergences: of the headline and of the second value.
+inline constexpr double uniform_mix = 0.05;
+inline constexpr double light_uniform_mix = 0.01;
 
 /// A divergence by the chain rule, with A the support of T: D(T || Q) = -log Q(A) + D(T || Q given A). The parts of a
 /// finite divergence sum to it.
@@ -43,16 +43,17 @@ struct Estimate {
   double value = std::numeric_limits<double>::quiet_NaN();
   /// The same with eps = 0.01.
   double light_value = std::numeric_limits<double>::quiet_NaN();
-  /// D(T || Q), undefended; +inf where Q has no density on a part of T, and where no sample lies in A.
-  double undefended = std::numeric_limits<double>::quiet_NaN();
+  /// D(T || Q) of the samples as they are, with nothing mixed in; +inf where Q has no density on a part of T, and where
+  /// no sample lies in A.
+  double unregularised = std::numeric_limits<double>::quiet_NaN();
   /// Nats above uniform, uniform - value, as reports print it. More is better; 0 is uniform sampling.
   double gain = std::numeric_limits<double>::quiet_NaN();
   /// Jensen-Shannon divergence of T and Q, in [0, log 2].
   double js = std::numeric_limits<double>::quiet_NaN();
   /// The parts of `value`; NaN where T is not uniform.
   ChainRule parts = {};
-  /// The parts of `undefended`.
-  ChainRule undefended_parts = {};
+  /// The parts of `unregularised`.
+  ChainRule unregularised_parts = {};
 };
 
 /// An estimator with its validated options.

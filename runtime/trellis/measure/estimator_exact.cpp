@@ -32,7 +32,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   mass /= static_cast<double>(evaluation.pool);
   Estimate result = estimate_from(evaluation, log_density, std::min(mass, 1.0));
   // The mass of the density itself, without counting.
-  result.undefended_parts.mass = -std::log(std::min(mass, 1.0));
+  result.unregularised_parts.mass = -std::log(std::min(mass, 1.0));
   return result;
 }
 

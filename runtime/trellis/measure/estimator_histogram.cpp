@@ -146,12 +146,12 @@ Estimate estimate_legacy(const Options& options, const Evaluation& evaluation) {
   const auto total = static_cast<double>(evaluation.samples.total());
   const auto points = static_cast<double>(target.whole_tube().size());
   Estimate result;
-  result.undefended = 0.0;
+  result.unregularised = 0.0;
   for (const auto& [cell, count] : tube.counts()) {
     const double t = static_cast<double>(count) / points;
-    result.undefended += t * std::log(t / std::max(samples.at(cell) / total, settings.floor));
+    result.unregularised += t * std::log(t / std::max(samples.at(cell) / total, settings.floor));
   }
-  result.value = result.undefended;
+  result.value = result.unregularised;
   return result;
 }
 

@@ -166,7 +166,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
       log_density[i] = evaluation.target.log_density(i) - mass_without_hit(evaluation.samples.total());
     }
     Estimate result = estimate_from(evaluation, log_density, 0.0);
-    result.undefended = std::numeric_limits<double>::infinity();
+    result.unregularised = std::numeric_limits<double>::infinity();
     return result;
   }
   BlendedNeighbours density(settings, evaluation);

@@ -88,7 +88,7 @@ class Supporter {
         total_(evaluation.samples.total()),
         once_(evaluation.in_target.inside.size() / d_),
         used_(std::min(once_, effort.counted)),
-        mixed_(defence * std::exp(-target_.uniform())),
+        mixed_(uniform_mix * std::exp(-target_.uniform())),
         order_(once_) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     Stream stream(once_, "", "supported");
@@ -105,7 +105,7 @@ class Supporter {
  private:
   [[nodiscard]] double largest() const { return -std::log(mixed_); }
   /// log of the density of T relative to that of Q in the mixture with uniform samples.
-  [[nodiscard]] double loss(double relative) const { return -std::log((1.0 - defence) * relative + mixed_); }
+  [[nodiscard]] double loss(double relative) const { return -std::log((1.0 - uniform_mix) * relative + mixed_); }
   [[nodiscard]] View point(std::size_t i) const { return View(target_.pool_rows()).subspan(i * d_, d_); }
   /// Returns the i-th sample in the target, in a random order.
   [[nodiscard]] View sample(std::size_t i) const {

@@ -44,6 +44,9 @@ PlannerCommon common_of(const S& settings) {
   return common;
 }
 
+/// Adds the options of every planner to those of one: goal_bias, uniform, bound, queries and the budgets.
+/// \tparam S  derives from CommonSettings
+/// \return the settings, to which the planner's own options may be added
 template <class S>
 Settings<S> with_common(Settings<S> settings) {
   settings.number("goal_bias", &S::goal_bias, "share of proposals", Range::share(),
@@ -52,12 +55,12 @@ Settings<S> with_common(Settings<S> settings) {
                   "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
                   "completeness rests on the guide alone");
   settings.number("bound", &S::bound, "factor", Range::zero_or_above(1.0),
-                  "of a guided planner at the root: the work of a run is at most so many times that of this planner "
-                  "without guides on the same seed, 800, and one step: the planner runs beside its guided search, and "
-                  "the first path wins. Work is validity checks, proposals, searches of graphs and set-up, in checks. "
-                  "Below the root: 0.8 (bound - 1) is the work of guided proposals and of the levels below, per work "
-                  "of unguided proposals, beyond what a path costs to check and what progress along a guiding path "
-                  "earns. 0: without bound");
+                  "of a guided planner at the root: a run costs at most so many times what this planner costs without "
+                  "guides on the same seed, plus 800 validity checks (of work 1200 units) and one step. The planner "
+                  "runs beside its guided search, and the first path ends the run. Below the root it limits guided "
+                  "work: that of guided proposals and of the levels below is at most 0.8 (bound - 1) times that of "
+                  "unguided proposals, beyond a grant for what a straight path costs to check and for progress along "
+                  "a guiding path. 0: no limit");
   settings.number("queries", &S::queries, "runs", Range::at_least(1),
                   "of a guided planner at the root with a bound: runs in this world that share what is set up for the "
                   "world alone, as its medial axis; a run counts one part of that work. 1 for a single query");
@@ -116,7 +119,7 @@ struct StepHooks {
   const double* stopped = nullptr;  ///< see BudgetMonitor
 };
 
-/// The path that contains only the start.
+/// Returns the path that contains only the start: the solution of a search whose goal is invalid.
 inline Configurations path_of_start(const Instance& instance) {
   Configurations path(instance.space.dimension());
   path.push(instance.start);
@@ -162,7 +165,10 @@ class StepLoop {
   std::optional<Status> ended_;
 };
 
-/// Runs the planning loop to its end.
+/// Runs the planning loop to its end, in the thread that calls.
+/// \param instance  of the planner
+/// \param search  of the planner
+/// \throws Error and what the instance's validity, the guidance and `hooks` throw
 inline Solution run_steps(Planner& planner, const Instance& instance, const Search& search, const Budget& budget,
                           const StepHooks& hooks = {}) {
   StepLoop loop(planner, instance, search, budget, hooks);

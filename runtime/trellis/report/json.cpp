@@ -64,9 +64,9 @@ std::string_view status_name(Status status) {
 /// Has the same fields with or without a score, so that readers need only one schema.
 Json efficiency_json(const Efficiency* estimated) {
   if (estimated == nullptr) {
-    return {{"value", nullptr},      {"estimator", nullptr},  {"n", nullptr},
-            {"in_target", nullptr},  {"undefended", nullptr}, {"uniform", nullptr},
-            {"gain", nullptr},       {"coverage", nullptr},   {"uniform_coverage", nullptr},
+    return {{"value", nullptr},      {"estimator", nullptr},     {"n", nullptr},
+            {"in_target", nullptr},  {"unregularised", nullptr}, {"uniform", nullptr},
+            {"gain", nullptr},       {"coverage", nullptr},      {"uniform_coverage", nullptr},
             {"flags", Json::array()}};
   }
   const Efficiency bounded = shown(*estimated);
@@ -76,7 +76,7 @@ Json efficiency_json(const Efficiency* estimated) {
           {"estimator", exists ? Json(e->estimator) : Json(nullptr)},
           {"n", e->samples},
           {"in_target", exists ? Json(e->in_target) : Json(nullptr)},
-          {"undefended", number_or_inf(e->undefended)},
+          {"unregularised", number_or_inf(e->unregularised)},
           {"uniform", number(e->uniform)},
           {"gain", number(e->gain)},
           {"coverage", number(e->coverage)},
@@ -110,8 +110,8 @@ Json parts_json(const ChainRule& parts) {
 }
 
 Json estimate_json(const Estimate& e) {
-  return {{"D", number_or_inf(e.undefended)},
-          {"D_parts", parts_json(e.undefended_parts)},
+  return {{"D", number_or_inf(e.unregularised)},
+          {"D_parts", parts_json(e.unregularised_parts)},
           {"D_eps", number(e.value)},
           {"D_eps_parts", parts_json(e.parts)},
           {"D_eps0.01", number(e.light_value)},
@@ -326,6 +326,7 @@ Json run_json(const RunResult& run) {
                {"solved", run.run.solved},
                {"time_s", number(run.run.seconds)},
                {"cpu_s", number(run.cpu_seconds)},
+               {"lua_s", number(run.run.lua_seconds)},
                {"path", run.run.solved ? array(run.run.path) : Json::array()},
                {"length", run.run.solved ? number(run.run.length) : Json(nullptr)},
                {"validity_checks", run.run.validity_checks},
@@ -626,6 +627,7 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
       {"improvement_checks_median", number(summary.improvement_checks)},
       {"set_up_median", number(summary.set_up)},
       {"set_up_share", number(summary.set_up_share)},
+      {"lua_share", number(summary.lua_share)},
       {"length", interval_json(summary.length)},
       {"bounded_loss", beside_json(summary.beside)},
       {"certified", certified_json(summary.certified)},
@@ -702,7 +704,7 @@ Json experiment_json(const Experiment& experiment) {
     Json estimators = Json::array();
     for (const auto& estimator : m.estimators) estimators.push_back(estimator.text());
     measure["estimators"] = std::move(estimators);
-    measure["defence"] = {defence, light_defence};
+    measure["uniform_mix"] = {uniform_mix, light_uniform_mix};
     measure["cross"] = m.cross;
     measure["cross_levels"] = m.cross_levels;
     measure["metrics"] = m.metrics;

@@ -22,15 +22,15 @@ constexpr MeasureQuantity stored(const char* group, const char* name, Of /*of*/,
 // Of two that have the same interval in summaries (mass), the later one's values are averaged.
 constexpr auto quantities = std::to_array<MeasureQuantity>({
     stored(
-        nullptr, "D", [](auto& e) -> auto& { return e.undefended; }, &Figure::undefended, true),
+        nullptr, "D", [](auto& e) -> auto& { return e.unregularised; }, &Figure::unregularised, true),
     stored(
-        "D_parts", "mass", [](auto& e) -> auto& { return e.undefended_parts.mass; }, &Figure::mass, true),
+        "D_parts", "mass", [](auto& e) -> auto& { return e.unregularised_parts.mass; }, &Figure::mass, true),
     stored(
-        "D_parts", "spread", [](auto& e) -> auto& { return e.undefended_parts.spread; }, &Figure::spread, true),
+        "D_parts", "spread", [](auto& e) -> auto& { return e.unregularised_parts.spread; }, &Figure::spread, true),
     stored(
-        "D_parts", "along", [](auto& e) -> auto& { return e.undefended_parts.along; }, nullptr, false),
+        "D_parts", "along", [](auto& e) -> auto& { return e.unregularised_parts.along; }, nullptr, false),
     stored(
-        "D_parts", "across", [](auto& e) -> auto& { return e.undefended_parts.across; }, nullptr, true),
+        "D_parts", "across", [](auto& e) -> auto& { return e.unregularised_parts.across; }, nullptr, true),
     stored(
         nullptr, "D_eps", [](auto& e) -> auto& { return e.value; }, &Figure::value, false),
     stored(

@@ -68,7 +68,8 @@ const Efficiency* efficiency_of(const RunResult& run, Where where, Role role) {
   return scores ? &((*scores).*role) : nullptr;
 }
 
-/// Returns the headline value of an estimator: SE; for the plain grid, which is not defended, D. NaN where it has none.
+/// Returns the headline value of an estimator: SE; for the plain grid, which is not regularised, D. NaN where it has
+/// none.
 double value_by(const Efficiency& efficiency, const std::string& estimator) {
   const Estimate* found = nullptr;
   if (estimator == headline || efficiency.estimator == estimator) found = &efficiency;
@@ -76,7 +77,7 @@ double value_by(const Efficiency& efficiency, const std::string& estimator) {
     if (found == nullptr && other.estimator == estimator) found = &other;
   }
   if (found == nullptr) return nan;
-  return found->estimator.starts_with("legacy") ? found->undefended : found->value;
+  return found->estimator.starts_with("legacy") ? found->unregularised : found->value;
 }
 
 /// Returns one value per run, NaN where a run has none.
@@ -303,7 +304,7 @@ class Tables {
         {"n", "in target", [](const Efficiency& e) { return static_cast<double>(e.in_target); }},
         {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
         {"D_perfect", "perfect", [](const Efficiency& e) { return e.perfect; }},
-        {"D", "D", [](const Efficiency& e) { return e.undefended; },
+        {"D", "D", [](const Efficiency& e) { return e.unregularised; },
          [](const Efficiency& e) { return e.mass_lower95; }},
         {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
         {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
@@ -454,9 +455,9 @@ class Tables {
                                         : fmt::format("SE by {}, {}", escaped(estimator), path.title));
     if (estimator.starts_with("legacy")) {
       page_.paragraph(
-          "Undefended, over the whole tube: an artefact of the grid's floor. Kept for comparison with figures that "
-          "were "
-          "made so.");
+          "Not regularised, over the whole tube: an artefact of the grid's floor. Kept for comparison with figures "
+          "that "
+          "were made so.");
     }
     page_.header(problem_header("strategy"));
     for (const auto& [name, spec] : experiment_.strategies) {

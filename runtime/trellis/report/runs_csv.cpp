@@ -36,6 +36,7 @@ constexpr std::array columns = {
     Column{"set_up_work", "/set_up_work"},
     Column{"time_s", "/time_s"},
     Column{"cpu_s", "/cpu_s"},
+    Column{"lua_s", "/lua_s"},
     Column{"set_up_s", "/set_up_s"},
     Column{"path_cpu_s", "/path_cpu_s"},
     Column{"length", "/length"},

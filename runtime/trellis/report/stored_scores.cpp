@@ -36,11 +36,11 @@ void estimate_fields(E& e, const Field& field) {
   field("estimator", e.estimator);
   field("value", e.value);
   field("light_value", e.light_value);
-  field("undefended", e.undefended);
+  field("unregularised", e.unregularised);
   field("gain", e.gain);
   field("js", e.js);
   field("parts", e.parts);
-  field("undefended_parts", e.undefended_parts);
+  field("unregularised_parts", e.unregularised_parts);
 }
 
 template <class A, class Field>
@@ -51,7 +51,7 @@ void along_fields(A& along, const Field& field) {
   field("target", along.target);
   field("samples", along.samples);
   field("corrected", along.corrected);
-  field("defended", along.defended);
+  field("regularised", along.regularised);
 }
 
 template <class E, class Field>
@@ -295,6 +295,7 @@ void restore_times(RunResult& run, const std::string& line) {
     read(json.at("time_s"), run.run.seconds);
     read(json.at("cpu_s"), run.cpu_seconds);
     read(json.at("path_cpu_s"), run.run.path_seconds);
+    if (const auto lua = json.find("lua_s"); lua != json.end()) read(*lua, run.run.lua_seconds);
     if (const auto set_up = json.find("set_up_s"); set_up != json.end()) read(*set_up, run.run.set_up_seconds);
     const Json& improvements = json.at("improvements");
     for (std::size_t i = 0; i < std::min(improvements.size(), run.run.improvements.size()); ++i) {

@@ -78,8 +78,8 @@ ChainRule parts(const Json& json) {
 Estimate estimate(const std::string& estimator, const Json& json) {
   Estimate e;
   e.estimator = estimator;
-  e.undefended = number(json.at("D"));
-  e.undefended_parts = parts(json.at("D_parts"));
+  e.unregularised = number(json.at("D"));
+  e.unregularised_parts = parts(json.at("D_parts"));
   e.value = number(json.at("D_eps"));
   e.parts = parts(json.at("D_eps_parts"));
   e.light_value = number(json.at("D_eps0.01"));
@@ -239,6 +239,7 @@ RunsSummary summary_of(const Json& json) {
   summary.improvement_checks = number(field(json, "improvement_checks_median"));
   summary.set_up = number(field(json, "set_up_median"));
   if (const Json& share = field(json, "set_up_share"); share.is_number()) summary.set_up_share = number(share);
+  if (const Json& share = field(json, "lua_share"); share.is_number()) summary.lua_share = number(share);
   summary.length = interval(json.at("length"));
   // Missing in documents of before.
   if (const auto law = json.find("bounded_loss"); law != json.end() && law->is_object()) {

@@ -92,7 +92,7 @@ void at_least(Interval& interval, double bound) {
 void bound_below(Figure& figure, double least) {
   constexpr double visible = 0.005;  // half of the last printed digit
   if (figure.value.value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
-  at_least(figure.undefended, figure.mass_lower95.value);
+  at_least(figure.unregularised, figure.mass_lower95.value);
   at_least(figure.value, least);
   const double most_gain = figure.uniform.value - least;
   for (double* x : {&figure.gain.value, &figure.gain.lo, &figure.gain.hi}) {
@@ -417,7 +417,7 @@ AboveUniform above_uniform(const Figure& figure) {
   const auto end = [](double bound, double value) { return std::isnan(bound) ? value : bound; };
   // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
   const double least = figure.perfect.value;
-  const double most = uniform - std::log(defence);
+  const double most = uniform - std::log(uniform_mix);
   const double lo = std::max(end(figure.value_lo.lo, figure.value_lo.value), least);
   const double hi = std::min(end(figure.value_hi.hi, figure.value_hi.value), most);
   return between(lo, hi, least, uniform, exact);
@@ -468,6 +468,8 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   std::vector<CensoredCost> first_path;
   std::vector<double> improvement;
   std::vector<double> set_up;
+  double lua = 0.0;
+  double cpu = 0.0;
   std::vector<double> work;
   std::vector<CensoredCost> validity;
   std::vector<CensoredCost> motion;
@@ -485,6 +487,8 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
     validity.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
     motion.push_back({static_cast<double>(run->run.motion_checks), run->run.solved});
     seconds.push_back({run->run.seconds, run->run.solved});
+    lua += run->run.lua_seconds;
+    cpu += run->cpu_seconds;
     if (run->run.solved) {
       ++result.solved;
       length.push_back(run->run.length);
@@ -496,6 +500,7 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   result.improvement_checks = median(improvement);
   result.set_up = median(set_up);
   if (const double all = median(work); all > 0.0) result.set_up_share = result.set_up / all;
+  if (cpu > 0.0) result.lua_share = lua / cpu;
   result.motion_checks = median_cost(motion);
   result.seconds = median_cost(seconds);
   result.spent_validity_checks = median_spent(validity);

@@ -27,10 +27,10 @@ struct RunResult;
 /// means of divergences that fall below their bound, and their intervals, are clipped at the bound. A run without a
 /// score does not enter the intervals; `scored` is the number of scored runs.
 struct Figure {
-  Interval value;                                               ///< D_eps, the headline: SE, defended, nats
+  Interval value;                                               ///< D_eps, the headline: SE, regularised, nats
   Interval value_lo, value_hi;                                  ///< the ends of what the samples of a run support
   Interval light_value;                                         ///< the same with 1 % uniform
-  Interval undefended;                                          ///< D
+  Interval unregularised;                                       ///< D
   Interval gain;                                                ///< nats above uniform: uniform - SE
   Interval uniform;                                             ///< the divergence of uniform sampling
   Interval perfect;                                             ///< D_eps of samples of T itself
@@ -237,6 +237,7 @@ struct RunsSummary {
   /// Work to set up the guides for a run alone (RunRecord::set_up): the median over the runs.
   double set_up = std::numeric_limits<double>::quiet_NaN();
   double set_up_share = 0.0;         ///< the same relative to the median work of a run
+  double lua_share = 0.0;            ///< of the CPU time of all runs, in functions in Lua
   Interval length;                   ///< mean over the solved runs, metres of the metric
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;

@@ -30,6 +30,11 @@ int decimals_for(double largest) {
 }
 
 std::string percent(double share) { return std::isfinite(share) ? fixed(100.0 * share, 0) : "-"; }
+std::string lua_share_text(double share) {
+  constexpr double least = 0.005;
+  if (!(share > 0.0)) return "";
+  return share < least ? "<1" : percent(share);
+}
 
 std::string interval_text(const Interval& interval, int decimals, bool sign) {
   if (std::isnan(interval.value)) return "-";

@@ -19,6 +19,8 @@ std::string count_text(double x);
 /// Returns the decimals of a column of milliseconds, from its largest value.
 int decimals_for(double largest);
 std::string percent(double share);
+/// The share of functions in Lua in per cent: "" for none, "<1" for one that would be rounded to 0.
+std::string lua_share_text(double share);
 /// "1.23 ±0.08", "1.23" without an interval, "-" for a missing value.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
 /// "-0.42…+1.20", the ends of an interval; one number where they print the same.
@@ -59,7 +61,7 @@ inline constexpr std::array<Note, 11> notes = {{
     {'l', "lower bound", "at most: from mass and arc length alone, which do not show losses across the path"},
     {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
     {'w', "covers the space", "the target covers nearly the whole space: there is nothing to show"},
-    {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
+    {'i', "cannot reach", "D is infinite: part of the target is invalid, and these samples never are"},
 }};
 inline constexpr char median_mark = 'm';
 inline constexpr char other_mark = 'x';

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/base/lua_time.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/companion.hpp>
 #include <trellis/strategy/scale.hpp>
@@ -69,6 +70,7 @@ class Running {
     check_scale(strategy, problem);
     begin_ = std::chrono::steady_clock::now();
     run_.cpu_begin = thread_seconds();
+    run_.lua_begin = lua_seconds();
     run_.problem = problem.name;
     run_.seed = seed;
     run_.seeded = true;
@@ -128,6 +130,7 @@ class Running {
     record.status = ended_ ? decisive.status() : Status::interrupted;
     record.seconds = seconds_;
     record.cpu_seconds = cpu_seconds_;
+    record.lua_seconds = seconds_ > 0.0 ? cpu_seconds_ * std::min(1.0, lua_seconds_ / seconds_) : 0.0;
     for (RootSearch* search : searches()) record.refuted_paths += search->refuted_paths();
     for (Level* level : all_levels()) {
       record.validity_checks += level->instance().checks.validity;
@@ -190,6 +193,7 @@ class Running {
   void note_times() {
     seconds_ = elapsed();
     cpu_seconds_ = thread_seconds() - run_.cpu_begin;
+    lua_seconds_ = lua_seconds() - run_.lua_begin;
     for (RootSearch* search : searches()) {
       seconds_ -= std::chrono::duration<double>(search->check_path().time()).count();
       cpu_seconds_ -= search->check_path().cpu_seconds();
@@ -338,6 +342,7 @@ class Running {
   bool ended_ = false;
   double seconds_ = 0.0;
   double cpu_seconds_ = 0.0;
+  double lua_seconds_ = 0.0;  ///< wall clock
   std::chrono::steady_clock::time_point stopped_at_;
   double* account_ = nullptr;  ///< of the clock, while the run is stopped
   double* companion_account_ = nullptr;

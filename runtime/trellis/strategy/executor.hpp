@@ -124,9 +124,12 @@ struct RunRecord {
   bool solved = false;
   double seconds = 0.0;      ///< wall-clock time to set up and plan, all levels, without completion of the record
   double cpu_seconds = 0.0;  ///< CPU time of the thread for the same
-  Configurations path;       ///< from start to goal; empty if unsolved
-  double length = 0.0;       ///< of `path`, in metres in the metric
-  Trajectory trajectory;     ///< controls of the path if the problem has a motion model
+  /// Part of `cpu_seconds`: functions in Lua and what they call, and loading their script. Calls are timed by the wall
+  /// clock, so this is their share of `seconds`, times `cpu_seconds`. 0 where no such function was called.
+  double lua_seconds = 0.0;
+  Configurations path;                ///< from start to goal; empty if unsolved
+  double length = 0.0;                ///< of `path`, in metres in the metric
+  Trajectory trajectory;              ///< controls of the path if the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
   /// Part of `validity_checks`: those of an anytime planner after its first path, spent on shorter ones.
@@ -184,8 +187,10 @@ void check_unused_guides(const StrategySpec& strategy, const Problem& problem, c
 /// \return one sentence per guide, with its location in the script
 std::vector<std::string> unreachable_guides(const StrategySpec& strategy);
 
-/// Runs a strategy on a problem. Deterministic in (strategy, problem, seed), except for times.
-/// \throws Error for a problem that fails `check`, or if a guide that it sets up cannot make its space
+/// Runs a strategy on a problem, in the thread that calls. Deterministic in (strategy, problem, seed), except for
+/// times; several threads may run strategies at the same time. That no path was found is no error: RunRecord::status
+/// says why. \param seed  of all random streams of the run \throws Error for a problem that fails `check`, or if a
+/// guide that it sets up cannot make its space
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options = {});
 

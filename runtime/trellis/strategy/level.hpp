@@ -55,6 +55,7 @@ struct Run {
   std::uint64_t searches = 0;             ///< slices of searches of levels below others, begun
   int first_solves = 0;                   ///< number of levels whose first solve has ended
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
+  double lua_begin = 0.0;                 ///< lua_seconds() of the thread at the beginning of the run
   double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
   bool refuted = false;                   ///< its last path was refuted, and no other one is known yet

@@ -75,6 +75,9 @@ const std::vector<ReportTerm>& report_terms() {
        "work to set up the guides for one run alone, as the medial axis of the world, in checks: the median over the "
        "runs. The column is there where it is more than a tenth of a run's work. The runs of a process share what "
        "depends on the world alone: the first one spends its time, and the median of the times does not show it"},
+      {"Lua %",
+       "the part of the CPU time that functions in Lua take, with what they call and loading their script, in per "
+       "cent. The column is there where a guide has such functions"},
       {"oracle", "samples drawn from the target itself, perfect guidance: what the estimator makes of them"},
       {"tree", "nodes of the search; of a roadmap, those that were checked"},
       {"expansion", "what was proposed, before extension: samples of h"},

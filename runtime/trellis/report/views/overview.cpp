@@ -97,8 +97,10 @@ std::string strategies_table(const Section& section, std::size_t width) {
   double slowest = 0.0;
   bool anytime = false;
   bool set_up = false;
+  bool lua = false;
   for (const Row& row : section.rows) {
     anytime = anytime || !std::isnan(row.runs().improvement_checks);
+    lua = lua || row.runs().lua_share > 0.0;
     set_up = set_up || row.runs().set_up_share > least_set_up_share;
     if (std::isfinite(row.runs().validity_checks.value)) most = std::max(most, row.runs().validity_checks.value);
     if (std::isfinite(row.runs().seconds.value)) slowest = std::max(slowest, 1000.0 * row.runs().seconds.value);
@@ -114,6 +116,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
     columns.push_back(number_column({"p"}, beside));
   }
   columns.push_back(number_column({"ms"}, "median"));
+  if (lua) columns.push_back(number_column({"Lua %"}));
   columns.push_back(number_column({"path m"}, "mean"));
   Table table(columns);
   for (const Row& row : section.rows) {
@@ -131,6 +134,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
       cells.push_back(row.name() == section.baseline || c == nullptr ? "" : p_text(c->validity_checks.holm_p));
     }
     cells.push_back(milliseconds_text(s.seconds.value, decimals_for(slowest)));
+    if (lua) cells.push_back(lua_share_text(s.lua_share));
     cells.push_back(std::isnan(s.length.value) ? "-" : fixed(s.length.value, 1));
     table.add(std::move(cells));
   }

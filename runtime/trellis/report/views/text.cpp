@@ -306,8 +306,8 @@ class MeasureRows {
     const std::string row = fmt::format("level {} {}", i, name);
     own_.add(level.own.*role, {row, "own"}, notes_);
     // The root's own target is the root's target: print it once.
-    Notes heard_already;
-    root_.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : notes_);
+    Notes discarded;
+    root_.add(level.root.*role, {row, "root"}, i == 0 ? discarded : notes_);
     cross_.add(level.root_cross.*role, {row, "other seeds'"}, notes_);
     const Headline first = headline(level, tree ? SampleRole::tree : SampleRole::expansion);
     any_pooled_ = any_pooled_ || first.seeds > 0;
@@ -352,24 +352,25 @@ class MeasureRows {
       const auto supported = [&](const std::string& text) { return blank ? "" : text; };
       const std::string covered =
           f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
-      std::vector<std::string> cells = {first ? lines_[k].label : "",
-                                        lines_[k].role,
-                                        std::to_string(f.scored),
-                                        count_text(f.samples),
-                                        count_text(f.in_target),
-                                        nats(f.uniform.value),
-                                        own[k],
-                                        divergence_text(f),
-                                        interval_text(f.mass_part),
-                                        supported(interval_text(f.spread_part)),
-                                        supported(std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value)),
-                                        nats(f.mass_lower95.value),
-                                        nats(f.along.value),
-                                        percent(f.empty_share.value),
-                                        covered,
-                                        nats(f.js.value),
-                                        root[k],
-                                        cross[k]};
+      std::vector<std::string> cells = {
+          first ? lines_[k].label : "",
+          lines_[k].role,
+          std::to_string(f.scored),
+          count_text(f.samples),
+          count_text(f.in_target),
+          nats(f.uniform.value),
+          own[k],
+          divergence_text(f),
+          interval_text(f.mass_part),
+          supported(interval_text(f.spread_part)),
+          supported(std::isinf(f.unregularised.value) ? "inf" : nats(f.unregularised.value)),
+          nats(f.mass_lower95.value),
+          nats(f.along.value),
+          percent(f.empty_share.value),
+          covered,
+          nats(f.js.value),
+          root[k],
+          cross[k]};
       if (any_pooled_) cells.push_back(pooled[k]);
       if (with_scale) cells.push_back(lines_[k].scale);
       table.add(std::move(cells));
@@ -616,6 +617,9 @@ std::string summary_table(const std::vector<StrategySummary>& rows, bool measure
     columns[3] = number_column({"checks to", "first path"}, medians);
     columns.insert(columns.begin() + 4, number_column({"checks of", "improvement"}, medians));
   }
+  const bool lua =
+      std::any_of(rows.begin(), rows.end(), [](const StrategySummary& r) { return r.runs.lua_share > 0.0; });
+  if (lua) columns.insert(columns.end() - 1, number_column({"Lua %"}));
   const RootColumns root(rows);
   if (measured) root.add_columns(columns);
   double slowest = 0.0;
@@ -629,8 +633,10 @@ std::string summary_table(const std::vector<StrategySummary>& rows, bool measure
                                       count_text(s.validity_checks.value)};
     if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
     if (set_up) cells.push_back(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
-    cells.insert(cells.end(), {count_text(s.motion_checks.value),
-                               milliseconds_text(s.seconds.value, decimals_for(slowest)), interval_text(s.length)});
+    cells.insert(cells.end(),
+                 {count_text(s.motion_checks.value), milliseconds_text(s.seconds.value, decimals_for(slowest))});
+    if (lua) cells.push_back(lua_share_text(s.lua_share));
+    cells.push_back(interval_text(s.length));
     if (measured) root.add_cells(i, root_of(rows[i]), cells);
     table.add(std::move(cells));
   }
@@ -742,7 +748,7 @@ std::string legend(const ExperimentSummary& experiment, std::size_t width) {
           "do cover it; oracle: samples of the target itself, perfect guidance; uniform: no guidance; D: the "
           "divergence with nothing mixed in, at least -log of the share in the target (95 %); along: the divergence "
           "of arc length along the path. docs/measure.md explains them.",
-          100.0 * defence),
+          100.0 * uniform_mix),
       width);
   out += wrap(fmt::format("Target: {}{}.{}{}{}{}", experiment.target, names.empty() ? "" : "; estimator: " + names,
                           experiment.tubes.empty() ? "" : " ", experiment.tubes, experiment.omitted.empty() ? "" : " ",
