@@ -4,7 +4,10 @@
 
 namespace trellis {
 
-/// Does what the command `trellis` does with these arguments, and returns its exit status. Call it once.
+/// Does what the command `trellis` does with these arguments. Call it once, from the thread of `main`, after the last
+/// register_planner().
+/// \param argv  `argc` texts, the first of which is the name of the program
+/// \return the exit status: 0 for success; the manual page lists the others
 int run_program(int argc, char** argv);
 
 }  // namespace trellis

@@ -43,15 +43,21 @@ using trial::Trial;
 inline trial::Level level(std::string name) { return {std::move(name)}; }
 inline trial::Level level(int number) { return {number}; }
 
-/// The problems and strategies of a script's experiment.
+/// The problems and strategies of a script's experiment. Copies share the script and its trials; only one thread may
+/// use them at a time.
 class Script {
  public:
-  /// \throws Error with the nearest name.
+  /// Returns a strategy of the experiment.
+  /// \throws Error for an unknown name, with the nearest one
   [[nodiscard]] StrategySpec strategy(const std::string& name) const;
-  /// Without a name, returns the only problem; \throws Error if there are several.
+  /// Returns a problem of the experiment.
+  /// \param name  "": the only problem
+  /// \throws Error for an unknown name, and for "" where there are several problems
   [[nodiscard]] Problem problem(const std::string& name = "") const;
   /// Returns the trial of a strategy on a problem. A repeated call returns the same trial, whose runs execute once:
-  /// Catch2 runs a test case from its beginning for each of its sections.
+  /// Catch2 runs a test case from its beginning for each of its sections. The runs are executed when a check first
+  /// needs them, on all cores. \param seeds  each at most once \param problem  "": the only problem \throws Error for
+  /// an unknown name, for seeds that repeat, and for an empty list of seeds
   [[nodiscard]] Trial trial(const std::string& strategy, std::vector<std::uint64_t> seeds = trial::seeds(30),
                             const std::string& problem = "") const;
 
@@ -62,10 +68,14 @@ class Script {
   std::shared_ptr<State> state_;
 };
 
-/// Runs a script, once as long as its text does not change. \throws Error if it fails.
+/// Loads a script, once as long as its text does not change. Nothing is planned.
+/// \param path  relative to the working directory of the test
+/// \throws Error if the script cannot be read, fails, or returns no experiment
 Script load(const std::string& path);
 
-/// Returns the trial of a strategy that C++ code builds.
+/// Returns the trial of a strategy that C++ code builds. Each call makes another trial, whose runs are executed anew.
+/// \param name  of the strategy in messages; "": its text
+/// \throws Error for seeds that repeat, and for an empty list of seeds
 inline Trial trial(std::string name, StrategySpec strategy, Problem problem,
                    std::vector<std::uint64_t> on = trial::seeds(30)) {
   return Trial(trial::Setup{
@@ -99,7 +109,8 @@ class Matches final : public CatchMatcher {
   mutable std::string said_;
 };
 
-// trial/matcher.hpp says what each of them means. NOLINTBEGIN(readability-identifier-naming): matchers of Catch2's are
+// trial/matcher.hpp says what each of them means, in which units, and which criteria it takes. They throw Error for any
+// other criterion. NOLINTBEGIN(readability-identifier-naming): matchers of Catch2's are
 // called so.
 inline Matches Solves(trial::Criterion share) { return Matches(trial::solves(std::move(share))); }
 inline Matches Spends(trial::Criterion spending) { return Matches(trial::spends(std::move(spending))); }

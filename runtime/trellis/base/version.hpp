@@ -5,7 +5,7 @@
 
 namespace trellis {
 
-/// Returns the version of Trellis, e.g. "0.1.0".
+/// Returns the version of Trellis, as "0.2.0": that of CMake's project.
 std::string version();
 
 }  // namespace trellis

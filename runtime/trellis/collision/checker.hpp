@@ -62,7 +62,10 @@ class Checker {
  public:
   virtual ~Checker() = default;
 
+  /// Whether q is valid, as defined above.
   [[nodiscard]] virtual bool valid(View q) const = 0;
+  /// Validates the motion from a to b.
+  /// \param a  valid; it is not checked
   [[nodiscard]] virtual MotionReport motion(View a, View b) const = 0;
   /// Adds the motion from a to b, both included, to a certificate that is valid so far. What has no collision geometry,
   /// the bounds of the space and limits of a motion model, is not part of it.
@@ -88,6 +91,8 @@ class Checker {
 
 /// Returns Trellis' own backend: separating axes and exact distances, eight poses of a motion per step. A grid over the
 /// obstacles culls them by the swept box of the motion.
+/// \param resolution  of all backends: metres that the robot's fastest point moves between two checked configurations
+/// \throws Fault for a scene that is not of the plane
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// Returns the FCL backend: the planar parts as prisms in a dynamic tree. Only fcl_checker.cpp includes FCL.
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);

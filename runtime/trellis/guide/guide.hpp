@@ -83,7 +83,7 @@ class Repairs {
   /// Called when a search for another path found none. h continues along the earlier path, if any, and is no longer
   /// stale.
   virtual void no_other_path() {}
-  /// Places of C at which evidence shows that a path in S has no counterpart in C.
+  /// Returns the places of C at which evidence shows that a path in S has no counterpart in C.
   [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
   /// Returns and clears the places that S has excluded since the last call, for the guide of the search of S.
   virtual Configurations take_lost_places() { return {}; }
@@ -122,10 +122,14 @@ class Guide {
 
   /// f of the whole instance, with all its goals (project_ends): the instance in S; nullptr if S = {0}. Called again
   /// after the parent's world changed; the guide keeps what it has learned.
+  /// \param parent  the instance in C; it outlives the guide
+  /// \throws Error where the guide does not apply to the instance: the run ends with it
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
   /// f of one configuration. Not called where S = {0}.
+  /// \param s  receives f(q), within the bounds of S
   virtual void project(View q, MutableView s) const = 0;
   /// Draws a configuration of C uniformly from the fibre of s: project(lift(s)) = s. Not called where S = {0}.
+  /// \param q  receives it; it may be invalid
   virtual void lift(View s, Stream& stream, MutableView q) const = 0;
   /// log of the density of `lift` at q, given s = f(q). A density over S at f(q) times this factor is the density of
   /// the lifted configuration at q, each with respect to volume in its own space's metric coordinates. 0 if S has the
@@ -134,15 +138,19 @@ class Guide {
   /// Makes h, the distribution over C, from the instance in S and the solution of its search. Called after every solve;
   /// keeps those observations that still apply. If S = {0}, `sub` and `found` are nullptr. A heuristic that checks
   /// validity (as the bridge test does) spends the parent's checks.
+  /// \param parent  the instance in C; it outlives the heuristic
+  /// \param found  solved or not: of a failed search its path leads to the node nearest to the goal
+  /// \return never nullptr
   virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
 
   /// Called with every outcome in C. The guide may use it to change S before the next solve.
+  /// \param outcome  its views are valid during the call only
   virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
   /// Called when the planner in C removed nodes. The remaining nodes are then passed to `learn` again.
   virtual void restart() {}
   /// What it does with evidence against its path. The reference is valid as long as the guide.
   virtual Repairs& repairs();
-  /// Passes the object that owns the instance made by `project` from now on.
+  /// Passes the object that owns the instance made by `project` from now on; it outlives the search of S.
   virtual void attach(Instance& sub) { static_cast<void>(sub); }
   /// Whether log_fibre_density is known and gives the density of lifted samples for any density over S.
   [[nodiscard]] virtual bool closed_fibre() const { return true; }
@@ -177,7 +185,8 @@ class SamplingGuide : public Guide {
 
 /// A kind of guide: its description and its factory.
 struct GuideKind {
-  const Component* component = nullptr;
+  const Component* component = nullptr;  ///< name, options and documentation; it outlives the program's use of the kind
+  /// Makes a guide of one run, from validated options. Called by the threads of several runs at the same time.
   std::unique_ptr<Guide> (*make)(const Options&) = nullptr;
   /// The planner of the search of S unless a script names one; "" if S = {0}.
   std::string default_planner;
@@ -195,9 +204,9 @@ struct GuideKind {
   Planned guided_planner = {};
 };
 
-/// All guides, in the order of the reference.
+/// Returns all guides, in the order of the reference. Thread-safe.
 const std::vector<GuideKind>& guide_kinds();
-/// The guide with this name; nullptr if there is none.
+/// Returns the guide with this name in scripts, as "shrink"; nullptr if there is none. Thread-safe.
 const GuideKind* find_guide(std::string_view name);
 
 }  // namespace trellis

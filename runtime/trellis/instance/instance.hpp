@@ -21,9 +21,11 @@ namespace trellis {
 
 /// Decides validity for an instance: by collision checks, or by the presumption of a guiding space. Configurations
 /// have the dimension of the instance's space, which is not checked: another size is undefined behaviour.
+/// It may have scratch memory: only one thread may use it at a time.
 class Validity {
  public:
   virtual ~Validity() = default;
+  /// Whether q is valid. False outside of the space, where the implementation checks that.
   [[nodiscard]] virtual bool state(View q) = 0;
   /// Checks the motion from a valid `a` to `b`, with the ends as in Checker::motion.
   [[nodiscard]] virtual MotionReport motion(View a, View b) = 0;
@@ -176,7 +178,9 @@ inline constexpr double kinematics = 3.0;
 }  // namespace search_cost
 
 /// A motion planning instance (C, validity, s, t, motion model): the input of a planner and of a guide's projection.
-/// Views have the dimension of `space` (with a motion model they are states), which is not checked.
+/// Views have the dimension of `space` (with a motion model they are states), which is not checked. An instance belongs
+/// to one level of one run: only the thread of that run may use it. Functions that check validity count the checks in
+/// `checks`, and throw what the validity throws (a function of a script may fail).
 class Instance {
  public:
   Space space;
@@ -185,8 +189,8 @@ class Instance {
   std::shared_ptr<Graph> graph;  ///< nullptr: a sampling planner searches the space
   Configuration start;
   std::vector<Configuration> goals;  ///< at least one; each solves the instance
-  double goal_tolerance = 1e-6;
-  double resolution = 0.05;
+  double goal_tolerance = 1e-6;  ///< metres of the metric: a configuration within this distance of a goal is that goal
+  double resolution = 0.05;      ///< metres that the robot's fastest point moves between two checked configurations
   double shared_resolution = 0.0;  ///< of C, where motions of this space are checked there too; 0: they are not
   /// The least clearance, in metres, of the reference point's path in every solution of the instances that this one was
   /// projected from. A path in this space with less clearance guides to none of their solutions.
@@ -194,7 +198,7 @@ class Instance {
   /// Of a relaxed space: the largest distance, in metres, from the reference point to a point of the robot that follows
   /// the paths of this space.
   double needed_reach = 0.0;
-  std::string collision = "planar";
+  std::string collision = "planar";  ///< name of the collision backend: collision_backends()
   double step = 0.0;  ///< longest extension of the planner of this space, metres in the metric; 0: it has none
   std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else `space` is its state space
   std::vector<std::size_t> position_axes;           ///< the axes of the reference point's position; empty: none
@@ -208,11 +212,12 @@ class Instance {
   /// Returns the first goal, the one of statistics where none was reached.
   [[nodiscard]] const Configuration& goal() const { return goals.front(); }
   struct NearGoal {
-    std::size_t goal = 0;  ///< index into goals
-    double distance = 0.0;
+    std::size_t goal = 0;   ///< index into goals
+    double distance = 0.0;  ///< metres of the metric
   };
+  /// Returns the goal with the least distance from q in the metric; the first of equally distant ones.
   [[nodiscard]] NearGoal nearest_goal(View q) const;
-  /// Returns the distance from q to the nearest goal.
+  /// Returns the distance from q to the nearest goal, in metres of the metric.
   [[nodiscard]] double to_goal(View q) const { return nearest_goal(q).distance; }
 
   /// Checks the state and counts the check.
@@ -227,7 +232,8 @@ class Instance {
   [[nodiscard]] bool is_verified(View a, View b) const {
     return verified && verified->epoch() == epoch() && verified->contain(a, b);
   }
-  /// Checks and counts the motion, unless it was verified before.
+  /// Checks and counts the motion, unless it was verified before: then it counts nothing.
+  /// \param a  valid; the caller has checked it
   [[nodiscard]] MotionReport motion(View a, View b) {
     if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
     const MotionReport report = validity->motion(a, b);
@@ -253,6 +259,7 @@ class Instance {
   }
   /// Propagates from a valid state under a constant control for at most `steps` steps, up to the first invalid state.
   /// Appends the state after each valid step. Each step counts as a motion. Requires a motion model.
+  /// \param control  a number for each control of the model, within its bounds
   /// \param blocked  if not null: receives the first invalid state
   /// \return the number of valid steps
   std::uint32_t drive(View from, View control, std::uint32_t steps, Configurations& states,
@@ -262,13 +269,15 @@ class Instance {
   /// this space presumes validity.
   [[nodiscard]] std::shared_ptr<Validity> validity_in(const std::shared_ptr<const Scene>& other) const;
 
-  /// Returns the clearance; counts as one validity check.
+  /// Returns the clearance at q in metres of the workspace (Validity::clearance). It counts as one validity check, and
+  /// its work as search_cost::clearance more.
   [[nodiscard]] double clearance(View q) {
     count_distance();
     return validity->clearance(q);
   }
 
-  /// Returns the nearest obstacle; counts as one validity check.
+  /// Returns the nearest obstacle; counts as `clearance` does.
+  /// \throws Error where no collision check decides validity
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) {
     count_distance();
     return validity->nearest_obstacle(q);
@@ -292,11 +301,17 @@ class Instance {
 };
 
 /// Returns validity by collision checks and, with a motion model, by its limits and the bounds of its states.
+/// \param collision  the name of a backend of the scene
+/// \param resolution  metres that the robot's fastest point moves between two checked configurations
+/// \param motion_model  nullptr: motions are straight
+/// \throws Error for a backend that the scene has not
 std::shared_ptr<Validity> make_validity(const std::string& collision, const std::shared_ptr<const Scene>& scene,
                                         const Space& space, double resolution,
                                         const std::shared_ptr<const MotionModel>& motion_model);
 
-/// Returns the instance of a problem in the configuration space of the real robot. Does not validate the problem.
+/// Returns the instance of a problem in the configuration space of the real robot. Does not validate the problem:
+/// `check` does (strategy/executor.hpp).
+/// \throws Error for an unknown collision backend
 std::unique_ptr<Instance> make_instance(const Problem& problem);
 
 /// Returns the start and the goals with their names in messages: "start", "goal", or "goal 1" and so on where there are

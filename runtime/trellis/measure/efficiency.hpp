@@ -96,7 +96,7 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
 /// \throws Error for samples of another space than the target's.
 Efficiency efficiency(const Target& target, const PreparedSamples& samples, const Scoring& scoring = {});
 
-/// Returns the lower bound of D_eps from the bound of the mass; NaN where T is not uniform.
+/// Returns the lower bound of D_eps, in nats, that follows from the bound of the mass; NaN where T is not uniform.
 double least_value(const Efficiency& efficiency);
 
 /// Returns the values as reports show them: where an estimate lies below its certain bound, the bound replaces it. D is
@@ -106,11 +106,14 @@ Efficiency shown(Efficiency efficiency);
 
 /// Returns why an interval of D_eps shows too little to be printed; "" where it shows on which side of uniform sampling
 /// the samples are, or is at most `most_width` wide.
+/// \param lo, hi  ends of the interval of D_eps, nats
+/// \param uniform  D_eps of uniform sampling, nats
 std::string blank_reason(double lo, double hi, double uniform);
 inline constexpr double most_width = 1.0;  ///< nats
 
 /// Returns a value of D_eps on the scale from perfect guidance, 0, to uniform sampling, 1. NaN where one of them is
 /// unknown, and for a target that covers the space.
+/// \param value, perfect, uniform  nats
 double on_scale(double value, double perfect, double uniform);
 
 /// Whether a target leaves nothing to show: uniform sampling is within `least_scale` of perfect guidance, because the
@@ -118,9 +121,10 @@ double on_scale(double value, double perfect, double uniform);
 bool covers_space(double uniform);
 inline constexpr double least_scale = 0.25;  ///< nats
 
-/// Averages the results over several targets, `along` too (over the least number of bins). Infinite values give
+/// Averages the results for several targets, `along` too (over the least number of bins). Infinite values give
 /// infinity; a value that some targets lack is the mean over the others. Keeps the flags that at least half of the
 /// targets raise.
+/// \param figures  at least one
 Efficiency mean(std::span<const Efficiency> figures);
 
 }  // namespace trellis

@@ -17,8 +17,8 @@ namespace trellis {
 /// One coordinate of a motion model's control.
 struct ControlAxis {
   std::string name;  ///< "speed", "steering", ...
-  double lo = 0.0;
-  double hi = 0.0;
+  double lo = 0.0;   ///< least value, in SI units: m/s, rad, m/s^2
+  double hi = 0.0;   ///< greatest value
 };
 
 /// The kinodynamic model of a robot: dx/dt = f(x, u), integrated with explicit Euler steps. A state x is a
@@ -55,6 +55,7 @@ class MotionModel {
   [[nodiscard]] bool allows(View u) const;
   /// Clamps each control to its bounds.
   void clamp(MutableView u) const;
+  /// Draws each control uniformly between its bounds.
   void sample_control(Stream& stream, MutableView u) const;
   /// Takes one explicit Euler step and normalises the angles. `out` may be `x`.
   void step(const Space& space, View x, View u, MutableView out) const;
@@ -74,9 +75,9 @@ class MotionModel {
 
 /// A sequence of controls; each row of controls is constant over a number of steps.
 struct Trajectory {
-  Configurations controls;
-  std::vector<std::uint32_t> steps;
-  double dt = 0.0;
+  Configurations controls;           ///< a number for each control of the model
+  std::vector<std::uint32_t> steps;  ///< of each row
+  double dt = 0.0;                   ///< duration of a step, in seconds
 
   /// Returns the duration in seconds.
   [[nodiscard]] double duration() const;

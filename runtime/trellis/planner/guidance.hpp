@@ -71,7 +71,10 @@ class Guidance {
   /// Selects the tree that the next proposal is for. A bidirectional planner calls this before each `sample`; other
   /// planners grow one tree, from the start.
   virtual void select_tree(TreeSide side) { static_cast<void>(side); }
-  /// Draws a proposal into `out`, inside the space.
+  /// Draws a proposal.
+  /// \param stream  of the level that calls; all random numbers of the draw come from it
+  /// \param out  receives the proposal, inside the space; it may be invalid
+  /// \return the part that drew it
   virtual Source sample(Stream& stream, MutableView out) = 0;
   /// Receives the result of a sample.
   /// \param mine  whether this guidance drew the sample. A part of a mixture also receives the results of the other
@@ -94,7 +97,7 @@ class Guidance {
     return 0;
   }
   /// Whether to check a motion beyond the last proposal: RRT's motion to the goal, or RRT-Connect's motion between the
-  /// trees.
+  /// trees. False where evidence of h refutes the motion: it saves its checks.
   [[nodiscard]] virtual bool worth_connecting(View from, View to) const {
     static_cast<void>(from);
     static_cast<void>(to);
@@ -119,6 +122,7 @@ class Guidance {
   virtual void found(double length) { static_cast<void>(length); }
   /// Adds the distribution of the next sample to the record, with weight `share`. By default, as a part without closed
   /// form. A sequence of guides changes its active guide when it draws: it adds the distribution of the last sample.
+  /// \param share  in (0, 1]: of this part in the distribution of the whole
   virtual void record(DensityRecord& record, double share) const { record.add_unknown(share); }
   /// A counter that increases when `sample` or `observe` may have changed what `record` adds.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }

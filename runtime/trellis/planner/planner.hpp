@@ -29,6 +29,7 @@ enum class Status : std::uint8_t {
   interrupted,
   paused,  ///< of a loop that can continue: it waits for other work of the run. No record has it
 };
+/// Returns the status in words of a message, as "budget spent".
 std::string_view to_string(Status status);
 
 /// The budget of a level. Prefer limits on counts: only they are reproducible.
@@ -73,8 +74,8 @@ struct Search {
   bool expands = true;
   /// Pairs of connected nodes of a roadmap or graph, in order of insertion; in a lazy roadmap they may be invalid.
   std::vector<std::array<std::uint32_t, 2>> edges;
-  Checks checks;
-  double seconds = 0.0;
+  Checks checks;         ///< of all solves of the level
+  double seconds = 0.0;  ///< wall clock of all solves of the level, without the levels that it waited for
 
   /// The samples of the tree: of `rows`, one per node, those whose node was checked.
   [[nodiscard]] Configurations tree_samples(const Configurations& rows) const {
@@ -124,7 +125,11 @@ struct PlannerContext {
 };
 
 /// A planner of one instance with one guidance, which searches in steps: `run_steps` (loop.hpp) is the loop. It does
-/// not depend on guides, on limits or on other levels.
+/// not depend on guides, on limits or on other levels. It lives as long as its level, and only one thread uses it at a
+/// time.
+///
+/// Its functions throw what the instance's validity and the guidance throw; the run ends with that. A search without a
+/// path is no error but a Status.
 class Planner {
  public:
   explicit Planner(PlannerContext context) : context_(std::move(context)) {}
@@ -150,6 +155,7 @@ class Planner {
 
   /// Runs the loop without an executor: searches until solved or until the budget is spent. Each further call continues
   /// the search.
+  /// \param budget  over all calls
   Solution solve(const Budget& budget);
 
  protected:
@@ -171,8 +177,11 @@ struct PlannerCommon {
 
 /// A kind of planner: its description and its factory.
 struct PlannerKind {
-  const Component* component = nullptr;
+  const Component* component = nullptr;  ///< name, options and documentation; it outlives the program's use of the kind
+  /// Returns the options that the level reads, of validated options.
   PlannerCommon (*common)(const Options&) = nullptr;
+  /// Makes the planner of one level of one run, from validated options. Called by the threads of several runs at the
+  /// same time.
   std::unique_ptr<Planner> (*make)(const Options&, PlannerContext) = nullptr;
   /// Whether it searches explicit graphs, and only these.
   bool graph = false;
@@ -183,13 +192,15 @@ struct PlannerKind {
   bool kinodynamic = false;
 };
 
-/// All planners, in the order of the reference.
+/// Returns all planners, in the order of the reference; those of register_planner() are the last. Thread-safe.
 const std::vector<PlannerKind>& planner_kinds();
-/// The planner with this name; nullptr if there is none.
+/// Returns the planner with this name in scripts, as "rrt_connect"; nullptr if there is none. Thread-safe.
 const PlannerKind* find_planner(std::string_view name);
 
 /// Shortcuts a path: in each round, tries to replace the part between two random points of the path by a straight
 /// motion. The result is never longer. The instance counts the checks.
+/// \param path  of valid motions, at least one configuration
+/// \param stream  draws the points; the same stream gives the same result
 /// \param certified  if not empty: whether a part of the path that would be new is certified; else it is not taken
 Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
                         const std::function<bool(const Configurations&)>& certified = {});

@@ -63,7 +63,7 @@ struct SceneFile {
 ///  - YAML with `world` and `robot_model_name`: a planning scene of MoveIt, with the request beside it, as
 ///    MotionBenchMaker writes them; the robot is `manipulator`.
 ///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
-/// \throws Error with file and line for malformed or missing content.
+/// \throws Error with file and line for malformed or missing content
 SceneFile read_scene(const std::string& path, const ReadOptions& options);
 
 /// Returns the problems of a scene file, as `read_scene` reads them.
@@ -73,6 +73,7 @@ std::vector<Problem> read_problems(const std::string& path, const ReadOptions& o
                                    std::vector<std::string>* warnings = nullptr);
 
 /// Reads a robot's outline from an SVG of one path: its convex hull, about the middle of its bounding box.
+/// \throws Error with file and line for malformed or missing content
 Robot read_robot(const std::string& path);
 
 }  // namespace trellis

@@ -59,11 +59,16 @@ class Space {
   /// \throws Error when an axis has NaN or infinite bounds, hi <= lo, or a weight that is not positive.
   Space(std::string name, std::vector<Axis> axes);
 
+  // The functions that make spaces throw Error as the constructor does.
+
   /// Returns R^n with the given bounds; the axes are named x, y, z, then q4, q5, ...
+  /// \param bounds  least and greatest coordinate of each axis, in metres
   static Space euclidean(const std::vector<std::pair<double, double>>& bounds);
-  /// Returns SO(2), angles in [-pi, pi). With the default weight a half turn has length 1 m.
+  /// Returns SO(2), angles in [-pi, pi).
+  /// \param weight  metres per radian of turn; with the default a half turn has length 1 m
   static Space so2(double weight = 1.0 / std::numbers::pi, const std::string& name = "theta");
-  /// Returns SE(2): x, y in the bounds, theta in [-pi, pi), d = sqrt(dx^2 + dy^2 + (w dtheta)^2).
+  /// Returns SE(2): x, y in the bounds (metres), theta in [-pi, pi), d = sqrt(dx^2 + dy^2 + (w dtheta)^2).
+  /// \param weight  w, metres per radian of turn
   static Space se2(std::pair<double, double> x, std::pair<double, double> y, double weight = 1.0 / std::numbers::pi);
   /// Returns SO(3), the rotations of space, as unit quaternions.
   /// \param weight  metres per radian of turn; with the default a half turn has length 1 m
@@ -72,6 +77,7 @@ class Space {
   /// \param weight  metres per radian; the bounding radius of a body makes d a bound on how far its points move
   static Space se3(const std::array<std::pair<double, double>, 3>& bounds, double weight = 1.0 / std::numbers::pi);
   /// Returns the product of spaces. Multiplies each factor's metric by its weight; numbers repeated axis names.
+  /// \param factors  a weight greater than 0 and a space, in the order of the coordinates
   static Space product(const std::vector<std::pair<double, Space>>& factors);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -93,7 +99,9 @@ class Space {
   /// to 1, named as "rotation.x".
   [[nodiscard]] std::vector<Axis> coordinates() const;
 
+  /// Returns the square of `distance`, without its square root.
   [[nodiscard]] double squared_distance(View a, View b) const;
+  /// Returns d(a, b), in metres of the metric.
   [[nodiscard]] double distance(View a, View b) const;
   /// Computes b - a in raw coordinates of a flat space. On periodic axes takes the difference within half a period; an
   /// exact half turn has a positive sign.
@@ -119,11 +127,12 @@ class Space {
   void reflect(MutableView q) const;
   /// Whether every bounded coordinate lies within its bounds, all are finite, and quaternions have norm 1 within 1e-9.
   [[nodiscard]] bool contains(View q) const;
+  /// Draws a configuration uniformly by volume.
   void sample_uniform(Stream& stream, MutableView out) const;
-  /// Returns the log of the volume, log|C|.
+  /// Returns the natural logarithm of the volume |C|, in metres of the metric to the power of `degrees`.
   [[nodiscard]] double log_volume() const;
-  /// Returns the diameter of the space: sqrt(sum (w_j * extent_j)^2), where a periodic axis counts half its period and
-  /// a rotation a half turn.
+  /// Returns the diameter of the space in metres of the metric: sqrt(sum (w_j * extent_j)^2), where a periodic axis
+  /// counts half its period and a rotation a half turn.
   [[nodiscard]] double diameter() const;
   /// Returns half the shortest period in the metric (infinity without circles and rotations): a ball of a smaller
   /// radius does not overlap itself.
@@ -148,14 +157,18 @@ struct Foot {
   double t = 0.0;                 ///< its parameter in [0, 1] from a to b
   double squared_distance = 0.0;  ///< squared distance from it to q
 };
+/// Returns that point in the metric of the space; where rotations turn, it searches for it.
 Foot nearest_on_motion(const Space& space, View a, View b, View q);
 
-/// log of the volume of the unit ball in R^d.
+/// Returns the natural logarithm of the volume of the unit ball in R^d.
 double log_unit_ball(std::size_t d);
 
-/// Returns the length of a path in the space's metric.
+/// Returns the length of a path: the sum of the distances between its points, in metres of the metric; 0 of an empty
+/// one.
 double path_length(const Space& space, const Configurations& path);
-/// Returns `count` points, at least 2, evenly spaced along a path, with both ends.
+/// Returns points that are evenly spaced along a path, both ends included.
+/// \param path  at least one configuration
+/// \param count  at least 2
 Configurations evenly_spread(const Space& space, const Configurations& path, std::size_t count);
 
 }  // namespace trellis

@@ -141,13 +141,17 @@ struct GuideSpec::Term {
 
 /// `a .. b .. c`: the spaces take turns, and each passes what it found to the next. `a .. b` in Lua is sequence({a,
 /// b}).
+/// \param turn  proposals of a turn
+/// \throws Error without parts, or for a turn that is out of range
 GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn = default_turn);
 /// A mixture whose weights adapt to the results of its parts.
 /// \throws Error without parts, or for a setting out of range
 GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings = {});
 /// Guides in order, each until it is refuted.
+/// \throws Error without parts, or for a setting out of range
 GuideSpec schedule(const std::vector<GuideSpec>& parts, const ScheduleSettings& settings = {});
 /// Guides whose spaces are searched alternately with growing budgets. The first path found guides until it is refuted.
+/// \throws Error without parts, or for a setting out of range
 GuideSpec race(const std::vector<GuideSpec>& parts, const RaceSettings& settings = {});
 
 /// An executable strategy: a planner at the root, with or without a guide.

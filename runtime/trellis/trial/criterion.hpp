@@ -22,9 +22,12 @@ class Criterion {
  public:
   enum class Kind : std::uint8_t { at_least, at_most, below, above, exactly };
 
-  /// \throws Error for a number that is not finite.
+  /// \param value  in the unit of what the matcher compares: a share, a number of checks, metres or nats
+  /// \throws Error for a number that is not finite
   Criterion(Kind kind, double value);
-  /// Requires less or more than the other trial, paired by seed; `kind` must be such a comparison.
+  /// Requires less or more than the other trial, paired by seed.
+  /// \param kind  `below` or `above`
+  /// \throws Fault for another kind
   Criterion(Kind kind, Trial other);
 
   [[nodiscard]] Kind kind() const { return kind_; }
@@ -37,9 +40,13 @@ class Criterion {
   [[nodiscard]] const std::optional<double>& asked_confidence() const { return confidence_; }
   [[nodiscard]] double confidence() const { return confidence_.value_or(default_confidence); }
 
-  /// Of a comparison: requires at least this margin, a share of the other's cost, or nats.
+  /// Of a comparison: requires at least this margin.
+  /// \param margin  at least 0: of costs a share of the other's cost (0.2: 20 % less), of efficiencies nats
+  /// \throws Error without another trial, or for a negative margin
   [[nodiscard]] Criterion by(double margin) const;
-  /// Sets the confidence, in (0.5, 1), of a statement about all seeds.
+  /// Sets the confidence of a statement about all seeds.
+  /// \param confidence  in (0.5, 1)
+  /// \throws Error for another number
   [[nodiscard]] Criterion with_confidence(double confidence) const;
   [[nodiscard]] Criterion of(Quantity quantity) const;
   [[nodiscard]] Criterion validity_checks() const { return of(Quantity::validity_checks); }

@@ -38,10 +38,12 @@ class Matcher {
 };
 using MatcherPointer = std::shared_ptr<const Matcher>;
 
-// Each throws Error for a criterion that does not apply to it.
+// Each throws Error for a criterion that does not apply to it, as a number out of range. Matchers may be shared between
+// threads; their trials may not.
 
 /// Checks the share of the seeds whose run found a path. With a confidence the check is about all possible seeds, by
 /// the bound of Wilson's interval; without, about the seeds of the trial.
+/// \param share  in [0, 1]
 MatcherPointer solves(Criterion share);
 
 /// Checks the cost of runs until they have a path. The check is about the median over all possible seeds: with the
@@ -49,9 +51,11 @@ MatcherPointer solves(Criterion share);
 /// than all others where the claim is "less", and with its actual cost where the claim is "more". Against another
 /// trial, checks the ratio of both, paired by seed. `exactly` applies to each run of the trial, whether it found a path
 /// or not.
+/// \param spending  with a quantity (Criterion::validity_checks and its like); a number of these, or another trial
 MatcherPointer spends(Criterion spending);
 
-/// All found paths lead from start to goal by valid motions; with a criterion, their median length (m) satisfies it.
+/// Checks that all found paths lead from start to goal by valid motions, and their median length.
+/// \param length  in metres of the metric, `at_most` and its like; none: any length
 MatcherPointer finds_paths(std::optional<Criterion> length = {});
 
 /// Checks by how many nats the samples of a level exceed uniform sampling (more is better): what the samples support
@@ -59,18 +63,20 @@ MatcherPointer finds_paths(std::optional<Criterion> length = {});
 /// levels, with five seeds or more, the samples of all seeds are taken together; else the lower ends of the runs'
 /// intervals count, by the lower bound of Student's interval of their mean. Another trial is exceeded where the two
 /// intervals do. Of mass alone: by the lower bound of Student's interval of the runs' masses.
+/// \param nats  above uniform sampling
 /// \throws Error for a criterion that is not a lower bound (`above`, `at_least`), that names a quantity, or whose
 /// confidence is above 95 % where what samples support is judged.
 MatcherPointer has_efficiency(Level level, Criterion nats);
 
-/// Repeated runs give bitwise equal results on one thread and on several threads.
+/// Checks that runs that are executed again, on one thread and on several, give the same results, bit for bit.
 MatcherPointer is_deterministic();
 
 /// "guided spends fewer validity checks than planner: 0.31 times as many at the median ...".
 std::string sentence(const Trial& trial, const Matcher& matcher, const Verdict& verdict);
 
 /// Returns evidence on a failed check: the worst seed, the statistics of its levels, and how to reproduce the run.
-/// Lines, each with a newline. `width` is that of the tables.
+/// Lines, each with a newline.
+/// \param width  of the tables, in columns
 std::string evidence(const Trial& trial, const Matcher& matcher, const Verdict& verdict, int width = 120);
 
 }  // namespace trellis::trial

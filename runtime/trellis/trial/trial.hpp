@@ -25,7 +25,8 @@ inline constexpr std::uint64_t default_seeds = 30;
 inline constexpr std::uint64_t most_seeds = 1'000'000;
 
 /// Returns `count` consecutive seeds from `first`.
-/// \throws Error for none, too many, or seeds that a script cannot write (over 2^63 - 1).
+/// \param count  from 1 to `most_seeds`
+/// \throws Error for another count, or for seeds that a script cannot write (over 2^63 - 1)
 std::vector<std::uint64_t> seeds(std::uint64_t count, std::uint64_t first = 1);
 
 /// The strategy, problem, seeds and options of a trial.
@@ -63,12 +64,13 @@ class Trial {
   /// Returns the runs in the order of the seeds; executes them first where necessary.
   /// \throws Error for an invalid problem, and Interrupted.
   [[nodiscard]] const std::vector<RunResult>& runs() const;
-  /// As runs(), and scores their samples.
+  /// As runs(), and scores their samples, which takes several times as long.
   [[nodiscard]] const std::vector<RunResult>& scored_runs() const;
   /// Scores the samples of all seeds but one taken together, of each level, lifted to the root, on paths of the seed
   /// left out. None with fewer than five seeds, without paths, and for a target that is not made from a path.
   [[nodiscard]] const std::vector<PooledScores>& pooled_scores() const;
   /// Executes the runs again on `jobs` threads; does not store them.
+  /// \param jobs  0: as many as the machine has cores
   [[nodiscard]] std::vector<RunResult> runs_again(unsigned jobs) const;
 
   /// Releases the memory of the runs; the next request executes them again.

@@ -43,7 +43,11 @@ class Robot {
   /// \throws Error on an empty robot, a parent that does not come earlier, or a malformed part.
   Robot(std::string name, std::vector<Body> bodies, bool translates = true, Vec2 base = {});
 
+  /// Returns a point that moves along x and y.
   static Robot point();
+  /// Returns a disc that moves along x and y; its reference point is its centre.
+  /// \param radius  in metres, greater than 0
+  /// \throws Error for another radius
   static Robot disc(double radius);
   /// Returns a robot of one rigid body; axis 2 turns it where `rotates`. Splits non-convex polygons into convex parts.
   static Robot rigid(const std::vector<Shape>& shapes, bool rotates = true);
@@ -93,8 +97,9 @@ class Robot {
   /// \param a, b  configurations of `space`
   [[nodiscard]] double displacement_bound(const Space& space, View a, View b) const;
   /// Returns a bound, in metres, on the displacement of the points of one body on a straight motion, seen from the
-  /// frame of a body that carries it. \param difference  Space::difference of the ends \param ancestor  the carrying
-  /// body; -1: a frame that moves with the reference point and does not turn
+  /// frame of a body that carries it.
+  /// \param difference  Space::difference of the ends
+  /// \param ancestor  the carrying body; -1: a frame that moves with the reference point and does not turn
   [[nodiscard]] double displacement_of(std::size_t body, int ancestor, View difference) const;
 
  private:

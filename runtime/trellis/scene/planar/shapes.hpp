@@ -64,7 +64,9 @@ struct Pose2 {
   [[nodiscard]] Vec2 operator()(Vec2 p) const { return {x + c * p.x - s * p.y, y + s * p.x + c * p.y}; }
 };
 
+/// Returns the smallest rectangle along the axes that contains the shape.
 Box2 bounding_box(const ConvexShape& shape);
+/// Returns the four corners, counter-clockwise.
 std::vector<Vec2> rectangle_vertices(const Box2& box);
 
 }  // namespace trellis
