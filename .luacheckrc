@@ -12,8 +12,8 @@ stds.trellis = {
     "tube", "near_optimal", "progress",
     "knn", "exact", "arc", "kde", "histogram", "legacy",
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
-    "world", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "reach", "problem", "target",
-    "experiment", "published", "claim", "given", "when", "is_deterministic",
+    "world", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach", "problem",
+    "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
     "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {

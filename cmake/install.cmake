@@ -67,7 +67,7 @@ foreach(header trellis
                base/component base/configurations base/error base/random base/version
                space/space motion/motion_model reader/readers scene/scene
                scene/planar/robot scene/planar/scene scene/planar/shapes scene/planar/world space/rotation
-               scene/spatial/mesh scene/spatial/robot scene/spatial/scene scene/spatial/shapes scene/spatial/world collision/certificate collision/checker
+               scene/spatial/mesh scene/spatial/point_cloud scene/spatial/robot scene/spatial/scene scene/spatial/shapes scene/spatial/world collision/certificate collision/checker
                instance/instance instance/verified_motions planner/density planner/guidance planner/loop
                planner/own_planner planner/planner guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/spec
                trial/criterion trial/level trial/matcher trial/trial)

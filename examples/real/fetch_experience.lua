@@ -7,7 +7,7 @@ local folder = "vamp_mbm/robots/fetch/"
 local fetch = robot.urdf(folder .. "fetch_spherized.urdf", { srdf = folder .. "fetch.srdf", group = "arm_with_torso" })
 
 local function planner(bound)
-  return rrt_connect { step = 1, proposals = 10000000, seconds = 60, bound = bound }
+  return rrt_connect { step = 1, proposals = 10000000, seconds = 20, bound = bound }
 end
 
 return experiment {

@@ -13,13 +13,14 @@ for _, name in ipairs { "env1_6d", "env3_6d", "env1_20d" } do
   end
 end
 
-local planner = rrt_connect { step = 0.5 }
+-- A longer step than a fifth of a radian passes few of the windows of env3_6d.
+local planner = rrt_connect { step = 0.2, proposals = 500000 }
 
 return experiment {
   problems   = problems,
   strategies = {
     rrt_connect = planner,
-    joints      = joints { first = 4 } >> planner,
+    joints      = joints { first = 4, planner = planner } >> planner,
     lazy        = lazy { planner = lazy_prm { proposals = 1000 } } >> rrt { step = 0.5 },
   },
   seeds   = 3,

@@ -11,6 +11,7 @@
 #include <trellis/base/version.hpp>
 #include <trellis/reader/readers.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/spec.hpp>

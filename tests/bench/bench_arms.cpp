@@ -1,23 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The strategies of a script on many problems, in groups: those whose names begin alike, "cage/0001" and "cage/0003".
 //
-//   bench_arms SCRIPT.lua [--hard]
+//   bench_arms SCRIPT.lua [--hard] [--points N RADIUS] [--states]
 //
 // Prints for each strategy a line for each group: problems solved, median and 95th percentile of the CPU time of
 // planning and of the path's certificate, of validity checks over all levels and of the length; and of the checks and
 // the CPU time the median of the ratios to those of the first strategy on the same problem and seed. --hard: only
-// problems on which the first strategy needs more checks than on half of them.
+// problems on which the first strategy needs more checks than on half of them. --points: the obstacles' surfaces are
+// sampled, uniformly, as a cloud of N points of this radius in metres; problems whose ends touch it are left out, and
+// the CPU time that its index takes is printed. --states: no planning; the CPU time of checks, of random configurations
+// and along random motions of length 1 from valid ones, for each number of obstacles.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <dsl/language/tools/session.hpp>
+#include <trellis/collision/checker.hpp>
+#include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/strategy/executor.hpp>
 
 #include "se3_bench.hpp"
@@ -66,6 +75,89 @@ void print(const std::string& name, const std::vector<Sample>& samples, const st
               quantile(checks, 0.95), quantile(lengths, 0.5), quantile(checks_ratio, 0.5), quantile(us_ratio, 0.5));
 }
 
+/// The problem among points on the surfaces of its obstacles.
+trellis::Problem among_points(const trellis::Problem& problem, std::size_t count, double radius) {
+  using namespace trellis;
+  const ManipulatorScene& scene = *problem.scene->manipulator();
+  std::vector<std::array<Vec3, 3>> triangles;
+  std::vector<double> areas;  // of the triangles before, and of this one
+  for (const Obstacle3& obstacle : scene.world.obstacles()) {
+    const draw::Surface surface = surface_of(obstacle.solid);
+    for (const auto& [a, b, c] : surface.triangles) {
+      const auto at = [&](std::uint32_t i) {
+        const draw::Point3& p = surface.vertices[i];
+        return Vec3{p.x, p.y, p.z};
+      };
+      triangles.push_back({at(a), at(b), at(c)});
+      const auto& [p, q, r] = triangles.back();
+      areas.push_back((areas.empty() ? 0.0 : areas.back()) + norm(cross(q - p, r - p)));
+    }
+  }
+  Stream stream(1, problem.name, "points");
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count && !areas.empty(); ++i) {
+    const auto at = std::lower_bound(areas.begin(), areas.end(), stream.uniform(0.0, areas.back()));
+    const auto& [p, q, r] = triangles[static_cast<std::size_t>(std::min(at, areas.end() - 1) - areas.begin())];
+    const double u = std::sqrt(stream.uniform(0.0, 1.0)), v = stream.uniform(0.0, 1.0);
+    points.push_back(p + u * (q - p) + u * v * (r - q));
+  }
+  auto cloud = std::make_shared<const PointCloud>(std::move(points), radius, "points");
+  Problem made = problem;
+  made.scene = std::make_shared<ManipulatorScene>(scene.world.with({{"points", {std::move(cloud), {}}}}), scene.robot);
+  return made;
+}
+
+struct States {
+  double configurations = 0.0, configuration_us = 0.0;
+  double states = 0.0, motion_us = 0.0;
+  double motions = 0.0, valid = 0.0;
+};
+
+/// Adds the checks of random configurations and motions.
+void check_states(const trellis::Problem& problem, States& sum) {
+  using namespace trellis;
+  constexpr int count = 2000;
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  Stream stream(1, problem.name, "states");
+  std::vector<Configuration> drawn(count, Configuration(problem.space.dimension()));
+  for (Configuration& q : drawn) problem.space.sample_uniform(stream, q);
+  std::vector<Configuration> free;
+  const double before = bench::cpu_seconds();
+  for (const Configuration& q : drawn) {
+    if (checker->valid(q)) free.push_back(q);
+  }
+  const double between = bench::cpu_seconds();
+  sum.configurations += count;
+  sum.configuration_us += 1e6 * (between - before);
+  std::vector<Configuration> ends = free;
+  for (Configuration& q : ends) {
+    Configuration by(q.size());
+    double squared = 0.0;
+    for (double& x : by) x = stream.normal(), squared += x * x;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += by[j] / std::sqrt(squared);
+    problem.space.reflect(q);
+  }
+  const double begin = bench::cpu_seconds();
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const MotionReport report = checker->motion(free[i], ends[i]);
+    sum.states += report.checks;
+    sum.valid += report.valid ? 1.0 : 0.0;
+  }
+  sum.motion_us += 1e6 * (bench::cpu_seconds() - begin);
+  sum.motions += static_cast<double>(free.size());
+}
+
+void print_states(const trellis::Experiment& experiment) {
+  std::map<std::size_t, States> all;
+  for (const trellis::Problem& problem : experiment.problems)
+    check_states(problem, all[problem.scene->obstacle_count()]);
+  std::printf("%9s %13s %12s %13s %12s\n", "obstacles", "ns a random", "ns a state", "us a motion", "valid share");
+  for (const auto& [obstacles, s] : all) {
+    std::printf("%9zu %13.0f %12.0f %13.2f %12.2f\n", obstacles, 1e3 * s.configuration_us / s.configurations,
+                1e3 * s.motion_us / s.states, s.motion_us / s.motions, s.valid / s.motions);
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -73,12 +165,44 @@ int main(int count, char** arguments) {
   try {
     const std::vector<std::string> given(arguments + 1, arguments + count);
     if (given.empty()) throw std::invalid_argument("needs SCRIPT.lua");
-    const bool hard = given.size() > 1 && given[1] == "--hard";
+    bool hard = false;
+    bool states = false;
+    std::size_t points = 0;
+    double radius = 0.0;
+    for (std::size_t i = 1; i < given.size(); ++i) {
+      if (given[i] == "--hard") {
+        hard = true;
+      } else if (given[i] == "--states") {
+        states = true;
+      } else if (given[i] == "--points" && i + 2 < given.size()) {
+        points = std::stoul(given[i + 1]);
+        radius = std::stod(given[i + 2]);
+        i += 2;
+      } else {
+        throw std::invalid_argument("the options are --hard, --points N RADIUS and --states, got " + given[i]);
+      }
+    }
+    std::vector<double> index_us;
+    std::size_t touched = 0;
     const dsl::Program program = dsl::load_script(given[0]);
     const Experiment& experiment = program.experiment;
+    if (states) {
+      print_states(experiment);
+      return 0;
+    }
     std::vector<std::string> groups;
     std::vector<std::vector<Sample>> all(experiment.strategies.size());
-    for (const Problem& problem : experiment.problems) {
+    for (const Problem& given_problem : experiment.problems) {
+      const Problem problem = points > 0 ? among_points(given_problem, points, radius) : given_problem;
+      if (points > 0) {
+        const double before = bench::cpu_seconds();
+        const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+        index_us.push_back(1e6 * (bench::cpu_seconds() - before));
+        if (!checker->valid(problem.start) || !checker->valid(problem.goals.front())) {
+          ++touched;
+          continue;
+        }
+      }
       for (const std::uint64_t seed : experiment.seeds) {
         groups.push_back(problem.name.substr(0, problem.name.find('/')));
         for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
@@ -93,6 +217,10 @@ int main(int count, char** arguments) {
           }
         }
       }
+    }
+    if (points > 0) {
+      std::printf("%zu points of radius %g m: %zu of %zu problems have valid ends; index, us median %.0f\n", points,
+                  radius, experiment.problems.size() - touched, experiment.problems.size(), quantile(index_us, 0.5));
     }
     std::vector<double> first;
     for (const Sample& sample : all[0]) first.push_back(sample.solved ? sample.checks : 1e300);

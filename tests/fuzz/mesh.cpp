@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The readers of meshes. The first byte chooses the format, as the ending of the name does in a folder.
+// The readers of meshes and of clouds of points. The first byte chooses the format, as the ending of the name does in a
+// folder.
 #include <trellis/reader/mesh_file.hpp>
+#include <trellis/reader/point_cloud_file.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 
 #include <cmath>
 #include <cstdlib>
@@ -24,11 +27,22 @@ void check(const trellis::Mesh& mesh) {
   if (!good) std::abort();
 }
 
+/// The same of points: the balls of a thinned cloud contain the others.
+void check(const trellis::PointCloudFile& file) {
+  const trellis::PointCloud cloud(file.points, 0.1, "points");
+  const trellis::PointCloud thin = cloud.thinned(0.05);
+  constexpr double largest = 0.15 * (1.0 + 1e-9);
+  bool good = !file.points.empty() && thin.radius() <= largest;
+  for (const trellis::Vec3& p : cloud.points()) good = good && thin.nearest(p).distance + 0.1 <= thin.radius();
+  if (!good) std::abort();
+}
+
 }  // namespace
 
 // NOLINTNEXTLINE(readability-identifier-naming)
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static trellis::fuzz::InputFile stl("mesh.stl"), obj("mesh.obj"), ply("mesh.ply"), off("mesh.off"), byu("mesh.g");
+  static trellis::fuzz::InputFile pcd("points.pcd"), xyz("points.xyz"), vertices("points.ply");
   if (size == 0) return 0;
   trellis::fuzz::InputFile* file = nullptr;
   switch (data[0]) {
@@ -36,7 +50,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 'o': file = &obj; break;
     case 'p': file = &ply; break;
     case 'f': file = &off; break;
+    case 'c': file = &pcd; break;
+    case 't': file = &xyz; break;
+    case 'v': file = &vertices; break;
     default: file = &byu;
+  }
+  if (file == &pcd || file == &xyz || file == &vertices) {
+    return trellis::fuzz::examine(
+        [&] { check(trellis::read_point_cloud(file->write(data + 1, size - 1), {.skip_nan = data[0] == 'c'})); });
   }
   return trellis::fuzz::examine([&] { check(*trellis::read_mesh(file->write(data + 1, size - 1)).mesh); });
 }

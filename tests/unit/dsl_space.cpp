@@ -244,6 +244,49 @@ TEST_CASE("shapes of space have a kind, a name, bounds and vertices") {
   CHECK_THAT(failure("pose {1, 2, 3}.position = 3"), Contains("a pose cannot be changed"));
 }
 
+TEST_CASE("a cloud of points is an obstacle, from a file or a list") {
+  const test::Folder folder;
+  static_cast<void>(folder.write("scan.xyz", "0 0 0\n1 0 0\n1 0.001 0\n"));
+  dsl::Session session(folder.path());
+  CHECK(session.evaluate("local c = point_cloud { 'scan.xyz', radius = 0.1, name = 'scan' } return c, c.kind, c.name, "
+                         "#c.vertices, table.concat(c.bounds, ' ')",
+                         "test.lua") ==
+        std::vector<std::string>{"point_cloud scan.xyz", "point_cloud", "scan", "3", "-0.1 -0.1 -0.1 1.1 0.101 0.1"});
+  CHECK(
+      session.evaluate("return point_cloud { 'scan.xyz', radius = 0.1, thin = 0.01 }, point_cloud { {0, 0, 0}, {1, 2, "
+                       "3}, radius = 0.1 }",
+                       "test.lua") ==
+      std::vector<std::string>{"point_cloud scan.xyz, thinned from 3 points to 2 of radius 0.101 m",
+                               "point_cloud of 2 points"});
+  const auto error = [&](const std::string& call, const std::string& reason) {
+    CHECK_THROWS_WITH(session.evaluate("return " + call, "test.lua"), Contains(reason));
+  };
+  error("point_cloud { radius = 0.1 }", "point_cloud of 0 points: it has no points");
+  error("point_cloud { {0, 0, 0} }", "radius");
+  error("point_cloud { {0, 0, 0}, radius = 0 }", "a number greater than 0");
+  error("point_cloud { {0, 0, 0}, radius = -1 }", "a number greater than 0");
+  error("point_cloud { {0, 0}, radius = 1 }", "point 1 must be three numbers");
+  error("point_cloud { {0, 0, 0}, {0, 0/0, 0}, radius = 1 }", "point 2");
+  error("point_cloud { 'scan.xyz', {0, 0, 0}, radius = 1 }", "one file, or points");
+  error("point_cloud { 'scans.xyz', radius = 1 }", "scans.xyz");
+  error("point_cloud { {0, 0, 0}, radius = 1, unit = 'mm' }", "'unit' is of a file's coordinates");
+  error("point_cloud { 'scan.xyz', radius = 0.1, thin = -1 }", "thin");
+  error("robot.rigid { point_cloud { {0, 0, 0}, radius = 1 } }",
+        "a cloud of points can be an obstacle, no part of a robot");
+  const auto load = [&](const std::string& start) {
+    return session
+        .load(
+            "local w = world { bounds = {-5, -5, -5, 5, 5, 5}, point_cloud { 'scan.xyz', radius = 0.1, pose = pose "
+            "{1, 0, 0} } } return rrt {}, problem { world = w, robot = robot.rigid { sphere {0, 0, 0, 0.1} }, start "
+            "= pose {" +
+                start + "}, goal = pose {-4, -4, -4} }",
+            "test.lua")
+        .experiment.problems.front();
+  };
+  CHECK_THROWS_WITH(load("2, 0.15, 0"), Contains("in collision with obstacle 1 (point_cloud scan.xyz)"));
+  CHECK_NOTHROW(load("1.5, 0, 0"));
+}
+
 TEST_CASE("a guide of a script sees a world of space") {
   const Program program = Session("").load(
       head +

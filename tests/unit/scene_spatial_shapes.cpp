@@ -8,6 +8,7 @@
 #include "support/catch.hpp"
 #include "unit/scene_spatial.hpp"
 
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/robot.hpp>
 #include <trellis/scene/spatial/shapes.hpp>
 #include <trellis/scene/spatial/world.hpp>
@@ -21,8 +22,13 @@ namespace {
 std::shared_ptr<const Mesh> shared(const Soup& soup) { return std::make_shared<const Mesh>(soup.mesh()); }
 
 std::vector<Shape3> all_shapes() {
-  return {Sphere{0.7}, Cuboid{{1, 2, 0.5}}, Cylinder{0.4, 1.5}, Capsule{0.3, 1.2},
-          shared(box({-0.2, -1, 0}, {0.4, 0.5, 2}))};
+  const std::vector<Vec3> points = {{0.3, 0, 0}, {-0.4, 0.2, 0.5}, {0.1, 0.9, -0.3}};
+  return {Sphere{0.7},
+          Cuboid{{1, 2, 0.5}},
+          Cylinder{0.4, 1.5},
+          Capsule{0.3, 1.2},
+          shared(box({-0.2, -1, 0}, {0.4, 0.5, 2})),
+          std::make_shared<const PointCloud>(points, 0.5, "points")};
 }
 
 /// Whether a point of the shape's frame belongs to it.
@@ -38,6 +44,10 @@ struct Inside {
     return norm(p - Vec3{0, 0, z}) <= s.radius;
   }
   bool operator()(const std::shared_ptr<const Mesh>& mesh) const { return contains(*mesh, p); }
+  bool operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    return std::any_of(cloud->points().begin(), cloud->points().end(),
+                       [&](const Vec3& centre) { return norm(p - centre) <= cloud->radius(); });
+  }
 };
 
 bool inside(const Solid& solid, const Vec3& p) { return std::visit(Inside{solid.pose.inverse()(p)}, solid.shape); }
@@ -130,6 +140,7 @@ TEST_CASE("the largest ball about the reference point lies inside, and a larger 
   Stream stream(5, "0", "tests");
   std::size_t around = 0;
   for (const Shape3& shape : all_shapes()) {
+    if (std::holds_alternative<std::shared_ptr<const PointCloud>>(shape)) continue;  // no robot's shape
     for (int round = 0; round < 30; ++round) {
       const Solid solid{shape, random_pose(stream, 0.4)};
       const Robot3 robot("body", {solid});

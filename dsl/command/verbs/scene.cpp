@@ -173,7 +173,7 @@ std::vector<std::pair<std::string, std::size_t>> obstacle_kinds(const Scene& sce
     return kinds;
   }
   for (const Obstacle3& obstacle : spatial_world(scene)->obstacles()) {
-    constexpr std::array<const char*, 5> names = {"sphere", "box", "cylinder", "capsule", "mesh"};
+    constexpr std::array<const char*, 6> names = {"sphere", "box", "cylinder", "capsule", "mesh", "cloud of points"};
     add(names.at(obstacle.solid.shape.index()));
   }
   return kinds;

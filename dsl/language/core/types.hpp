@@ -13,6 +13,7 @@
 #include <trellis/measure/estimator.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/spec.hpp>
 
@@ -43,6 +44,9 @@ struct Weight<dsl::NamedShape> {
            std::visit([](const auto& kind) { return of(kind); }, shape.shape);
   }
   static std::size_t of(const Solid& solid) {
+    if (const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&solid.shape)) {
+      return sizeof solid + (*cloud)->points().size() * sizeof(Vec3);
+    }
     const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&solid.shape);
     if (mesh == nullptr) return sizeof solid;
     return sizeof solid + (*mesh)->vertices().size() * sizeof(Vec3) + (*mesh)->triangles().size() * sizeof(Triangle);

@@ -181,6 +181,8 @@ std::string solid_text(const Solid& solid) {
           return fmt::format("box {} {} {}", s.size.x, s.size.y, s.size.z);
         } else if constexpr (std::is_same_v<Shape, Capsule> || std::is_same_v<Shape, Cylinder>) {
           return fmt::format("{} {} {}", std::is_same_v<Shape, Capsule> ? "capsule" : "cylinder", s.radius, s.length);
+        } else if constexpr (std::is_same_v<Shape, std::shared_ptr<const PointCloud>>) {
+          return fmt::format("points {:016x}", s->hash());
         } else {
           return fmt::format("mesh {:016x}", s->hash());
         }

@@ -15,6 +15,8 @@
 #include <dsl/language/words/problem.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/reader/mesh_file.hpp>
+#include <trellis/reader/point_cloud_file.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 
 namespace trellis::dsl {
 
@@ -115,6 +117,56 @@ const Construct& mesh_construct() {
       .options = mesh_settings().component(),
       .returns = "trellis.Shape"};
   return construct;
+}
+
+struct CloudSettings {
+  double thin = 0.0;
+  bool skip_nan = false;
+};
+
+const Settings<CloudSettings>& cloud_settings() {
+  static const auto settings =
+      Settings<CloudSettings>(Component::Kind::scene, "point_cloud", "points of a sensor", "")
+          .number("thin", &CloudSettings::thin, "m", Range::at_least(0),
+                  "leaves points out that are at most so far from one that stays, and enlarges the radius by the "
+                  "largest such distance: the balls that stay contain all others; 0: none")
+          .boolean(
+              "skip_nan", &CloudSettings::skip_nan,
+              "leaves points out whose coordinates are not numbers, as a depth camera writes them where it measured "
+              "nothing");
+  return settings;
+}
+
+const Construct& cloud_construct() {
+  static const Construct construct = {
+      .name = "point_cloud",
+      .usage = "point_cloud { \"scan.pcd\", radius = 0.01 }",
+      .summary =
+          "an obstacle of points that a sensor measured, each with a ball about it, from a file (PCD, PLY, or text: "
+          ".xyz, .pts, .txt, .csv) or a list",
+      .list = "the file, looked for as by mesh; or the points, as {0.5, 0, 0.2}, {0.5, 0.1, 0.2}",
+      .element = "string|number[]",
+      .fields = {{"radius", "number", "a number greater than 0",
+                  "of the ball about each point, in metres; half the points' distance from each other closes the gaps "
+                  "between them",
+                  true},
+                 {"unit", "string|number", R"("m", "mm", "cm", "inch", or a number of metres)",
+                  "the unit of the file's coordinates", false, "\"m\""},
+                 pose_field(),
+                 name_field},
+      .options = cloud_settings().component(),
+      .returns = "trellis.Shape"};
+  return construct;
+}
+
+/// Returns the field `unit` as options of files have it.
+std::string unit_of(const Arguments& arguments) {
+  const Value unit = arguments["unit"];
+  if (!unit.given()) return "m";
+  if (const auto metres = unit.number()) return fmt::format("{}", *metres);
+  const auto name = unit.string();
+  if (!name) arguments.reject("unit");
+  return *name;
 }
 
 std::vector<double> numbers(const Construct& construct, const Arguments& arguments) {
@@ -232,6 +284,10 @@ int make_convex(Stack& call) {
                {std::move(hull), pose_of(arguments)});
 }
 
+void add_once(const std::string& warning, std::vector<std::string>& warnings) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+}
+
 int make_mesh(Stack& call, const ScriptPlace& place, std::vector<std::string>& warnings) {
   const Arguments arguments(mesh_construct(), call);
   std::optional<std::string> file;
@@ -244,26 +300,56 @@ int make_mesh(Stack& call, const ScriptPlace& place, std::vector<std::string>& w
   if (!file) throw Error(fmt::format("mesh: the file is missing, as in {}", mesh_construct().usage));
   const auto settings = mesh_settings().read(arguments.options());
   MeshOptions options;
-  if (const Value unit = arguments["unit"]; unit.given()) {
-    if (const auto metres = unit.number()) {
-      options.unit = fmt::format("{}", *metres);
-    } else if (const auto name = unit.string()) {
-      options.unit = *name;
-    } else {
-      arguments.reject("unit");
-    }
-  }
+  options.unit = unit_of(arguments);
   MeshFile read = read_mesh(scene_path("mesh", *file, place), options);
   // A pose that turns the mesh shows that its author knows its axes.
   if (!read.up_warning.empty() && pose_of(arguments).orientation == Quaternion{}) {
     read.warnings.push_back(read.up_warning);
   }
-  for (std::string& warning : read.warnings) {
-    if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
-  }
+  for (const std::string& warning : read.warnings) add_once(warning, warnings);
   if (settings.convex) read.mesh = std::make_shared<const Mesh>(Mesh::hull(read.mesh->vertices(), *file));
   return solid(call, arguments, fmt::format("mesh {}", std::filesystem::path(*file).filename().string()),
                {std::move(read.mesh), pose_of(arguments)});
+}
+
+int make_cloud(Stack& call, const ScriptPlace& place, std::vector<std::string>& warnings) {
+  const Arguments arguments(cloud_construct(), call);
+  const double radius = positive(arguments, "radius");
+  const auto settings = cloud_settings().read(arguments.options());
+  std::optional<std::string> file;
+  std::vector<Vec3> points;
+  arguments.each([&](std::size_t i, Value value) {
+    if (const auto name = value.type() == lua::Type::string ? value.string() : std::nullopt) {
+      if (i > 1) throw Error("point_cloud takes one file, or points");
+      file = name;
+      return;
+    }
+    if (file) throw Error("point_cloud takes one file, or points");
+    const auto p = read_numbers(value, fmt::format("point_cloud: point {}", i));
+    if (p.size() != 3) {
+      throw Error(fmt::format("point_cloud: point {} must be three numbers {{x, y, z}}, got {}", i, p.size()));
+    }
+    points.push_back({p[0], p[1], p[2]});
+  });
+  std::string text = fmt::format("point_cloud of {} points", points.size());
+  if (file) {
+    PointCloudFile read =
+        read_point_cloud(scene_path("point_cloud", *file, place), {unit_of(arguments), settings.skip_nan});
+    for (const std::string& warning : read.warnings) add_once(warning, warnings);
+    points = std::move(read.points);
+    text = fmt::format("point_cloud {}", std::filesystem::path(*file).filename().string());
+  } else if (arguments["unit"].given()) {
+    throw Error("point_cloud: 'unit' is of a file's coordinates; those of a list are metres");
+  }
+  PointCloud cloud(std::move(points), radius, text);
+  if (settings.thin > 0.0) {
+    const std::size_t before = cloud.points().size();
+    cloud = cloud.thinned(settings.thin);
+    text +=
+        fmt::format(", thinned from {} points to {} of radius {:.4g} m", before, cloud.points().size(), cloud.radius());
+  }
+  return solid(call, arguments, std::move(text),
+               {std::make_shared<const PointCloud>(std::move(cloud)), pose_of(arguments)});
 }
 
 /// The members of a pose that a script may read.
@@ -322,8 +408,8 @@ std::string pose_text(const Pose3& pose) {
 }
 
 std::vector<const Construct*> spatial_world_constructs() {
-  return {&pose_construct,      &sphere_construct(), &cylinder_construct(),
-          &capsule_construct(), &convex_construct(), &mesh_construct()};
+  return {&pose_construct,     &sphere_construct(), &cylinder_construct(), &capsule_construct(),
+          &convex_construct(), &mesh_construct(),   &cloud_construct()};
 }
 
 std::vector<ObjectType> spatial_world_types() {
@@ -344,6 +430,8 @@ void open_spatial_world(Stack& stack, const ScriptPlace& place,
   }
   stack.push_function([place, warnings](Stack& call) { return make_mesh(call, place, *warnings); });
   stack.set_global(mesh_construct().name);
+  stack.push_function([place, warnings](Stack& call) { return make_cloud(call, place, *warnings); });
+  stack.set_global(cloud_construct().name);
 }
 
 }  // namespace trellis::dsl

@@ -15,8 +15,8 @@ namespace trellis::dsl {
 
 struct ObjectType;
 
-/// Registers pose, sphere, cylinder, capsule, convex and mesh.
-/// \param place  of the script, whose files `mesh` reads
+/// Registers pose, sphere, cylinder, capsule, convex, mesh and point_cloud.
+/// \param place  of the script, whose files `mesh` and `point_cloud` read
 /// \param warnings  receives those about meshes
 void open_spatial_world(lua::Stack& stack, const ScriptPlace& place,
                         const std::shared_ptr<std::vector<std::string>>& warnings);

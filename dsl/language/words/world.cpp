@@ -18,6 +18,7 @@
 #include <trellis/scene/planar/shapes.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
 #include <trellis/scene/recentred.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/visit.hpp>
 
 namespace trellis::dsl {
@@ -84,7 +85,9 @@ const Construct& world_construct() {
           "a workspace of the plane, or with six bounds of space: a boundary box that the whole robot stays in, "
           "and obstacles",
       .list =
-          "obstacles: box, disc, polygon; in space box, sphere, cylinder, capsule, convex, mesh; and lists of these",
+          "obstacles: box, disc, polygon; in space box, sphere, cylinder, capsule, convex, mesh, point_cloud; and "
+          "lists of "
+          "these",
       .element = "trellis.Shape|trellis.Shape[]",
       .fields = {{"bounds", "number[]",
                   "a list of 4 numbers: xmin, ymin, xmax, ymax, or of 6: xmin, ymin, zmin, xmax, ymax, zmax",
@@ -448,11 +451,13 @@ const std::vector<Field>& shape_members() {
       {"kind", "string", "",
        "\"box\", \"disc\" or \"polygon\"; in space \"box\", \"sphere\", \"cylinder\", \"capsule\", \"convex\" (any "
        "convex "
-       "mesh) or \"mesh\""},
+       "mesh), \"mesh\" or \"point_cloud\""},
       {"name", "string", "", "how messages call it: its name, or what it is"},
       {"bounds", "number[]", "", "the smallest box about it: xmin, ymin, xmax, ymax in metres; in space with z"},
       {"vertices", "number[][]", "",
-       "of a box, polygon, convex or mesh: its corners, those of a planar one in order; an error of another kind"}};
+       "of a box, polygon, convex or mesh: its corners, those of a planar one in order; of a point_cloud its points; "
+       "an "
+       "error of another kind"}};
   return members;
 }
 
@@ -500,10 +505,11 @@ std::string kind_of(const Solid& solid) {
   if (std::holds_alternative<Cuboid>(solid.shape)) return "box";
   if (std::holds_alternative<Cylinder>(solid.shape)) return "cylinder";
   if (std::holds_alternative<Capsule>(solid.shape)) return "capsule";
+  if (std::holds_alternative<std::shared_ptr<const PointCloud>>(solid.shape)) return "point_cloud";
   return std::get<std::shared_ptr<const Mesh>>(solid.shape)->convex() ? "convex" : "mesh";
 }
 
-/// Returns the corners of a shape; none of one that is round.
+/// Returns the corners of a shape, the points of a cloud; none of one that is round.
 std::vector<Vec2> corners_of(const Shape& shape) {
   if (const auto* box = std::get_if<Box2>(&shape)) return rectangle_vertices(*box);
   if (const auto* polygon = std::get_if<Polygon>(&shape)) return polygon->vertices;
@@ -521,6 +527,8 @@ std::vector<Vec3> corners_of(const Solid& solid) {
     }
   } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&solid.shape)) {
     corners = (*mesh)->vertices();
+  } else if (const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&solid.shape)) {
+    corners = (*cloud)->points();
   }
   for (Vec3& corner : corners) corner = solid.pose(corner);
   return corners;

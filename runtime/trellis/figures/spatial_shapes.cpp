@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/visit.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -55,6 +57,15 @@ void add_half_ball(std::vector<std::pair<double, double>>& circles, double radiu
   }
 }
 
+/// How many points of a cloud a picture shows.
+std::size_t drawn_points(unsigned sides) { return std::size_t{50} * sides; }
+
+/// A point that is too small to be seen is drawn larger.
+double drawn_radius(const PointCloud& cloud) {
+  constexpr double seen = 0.002;  // of the cloud's diagonal
+  return std::max(cloud.radius(), seen * norm(cloud.bounds().hi - cloud.bounds().lo));
+}
+
 struct Tessellation {
   unsigned sides;  ///< of a turn
 
@@ -92,9 +103,35 @@ struct Tessellation {
     out.triangles = mesh->triangles();
     return out;
   }
+  /// Some of the points, each as an octahedron that is large enough to be seen.
+  Surface operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    const auto& points = cloud->points();
+    const std::size_t count = std::min(points.size(), drawn_points(sides));
+    const double r = drawn_radius(*cloud);
+    Surface out;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3& p = points[i * points.size() / count];
+      const auto first = static_cast<std::uint32_t>(out.vertices.size());
+      for (const Vec3& corner : {Vec3{r, 0, 0}, Vec3{0, r, 0}, Vec3{-r, 0, 0}, Vec3{0, -r, 0}}) {
+        out.vertices.push_back(drawn(p + corner));
+      }
+      out.vertices.push_back(drawn(p + Vec3{0, 0, r}));
+      out.vertices.push_back(drawn(p - Vec3{0, 0, r}));
+      for (std::uint32_t side = 0; side < 4; ++side) {
+        const std::uint32_t next = (side + 1) % 4;
+        out.triangles.push_back({first + side, first + next, first + 4});
+        out.triangles.push_back({first + next, first + side, first + 5});
+      }
+    }
+    return out;
+  }
 };
 
 bool is_sphere(const Solid& solid) { return std::holds_alternative<Sphere>(solid.shape); }
+const PointCloud* cloud_of(const Solid& solid) {
+  const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&solid.shape);
+  return cloud != nullptr ? cloud->get() : nullptr;
+}
 bool is_mesh(const Solid& solid) { return std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape); }
 
 }  // namespace
@@ -118,11 +155,13 @@ Surface surface_of(const Robot3& robot) {
 }
 
 std::string WorldSurfaces::note() const {
-  if (cell == 0.0) return "";
+  std::string text;
+  if (shown_points < points) text = fmt::format("Of {} points of clouds {} are drawn.", points, shown_points);
+  if (cell == 0.0) return text;
   std::size_t drawn = 0;
   for (const Surface& surface : obstacles) drawn += surface.triangles.size();
-  return fmt::format("Meshes are simplified: {} of {} triangles, vertices within {:.2g} m merged.", drawn, triangles,
-                     cell);
+  return fmt::format("{}{}Meshes are simplified: {} of {} triangles, vertices within {:.2g} m merged.", text,
+                     text.empty() ? "" : " ", drawn, triangles, cell);
 }
 
 WorldSurfaces surfaces_of(const World3& world, std::size_t most) {
@@ -135,6 +174,10 @@ WorldSurfaces surfaces_of(const World3& world, std::size_t most) {
       out.obstacles.push_back(surface_of(obstacle.solid, sides));
       const std::size_t count = out.obstacles.back().triangles.size();
       out.triangles += count;
+      if (const PointCloud* cloud = cloud_of(obstacle.solid)) {
+        out.points += cloud->points().size();
+        out.shown_points += std::min(cloud->points().size(), drawn_points(sides));
+      }
       if (!is_mesh(obstacle.solid)) primitives += count;
     }
     if (primitives <= most) break;

@@ -30,6 +30,8 @@ struct WorldSurfaces {
   std::vector<draw::Surface> obstacles;  ///< in the world's order
   std::size_t triangles = 0;             ///< before simplification
   double cell = 0.0;                     ///< metres: vertices in one cube of this size were merged; 0: none
+  std::size_t points = 0;                ///< of clouds
+  std::size_t shown_points = 0;          ///< the drawn ones among them
 
   /// A sentence about the simplification, "" where there is none.
   [[nodiscard]] std::string note() const;

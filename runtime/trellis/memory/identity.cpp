@@ -8,6 +8,7 @@
 
 #include <trellis/base/random.hpp>
 #include <trellis/memory/bytes.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/visit.hpp>
 
 namespace trellis {
@@ -99,6 +100,11 @@ void put(std::string& bytes, const Capsule& capsule) {
 void put(std::string& bytes, const std::shared_ptr<const Mesh>& mesh) {
   bytes += 'm';
   put_integer(bytes, mesh->hash());
+}
+
+void put(std::string& bytes, const std::shared_ptr<const PointCloud>& cloud) {
+  bytes += 'p';
+  put_integer(bytes, cloud->hash());
 }
 
 void put(std::string& bytes, const Solid& solid) {

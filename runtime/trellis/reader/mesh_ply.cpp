@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <trellis/reader/mesh_formats.hpp>
+#include <trellis/reader/point_cloud_formats.hpp>
 
 namespace trellis {
 
@@ -240,7 +241,9 @@ void skip(const Property& property, Values& values) {
   for (std::size_t n = length_of(property, values); n > 0; --n) static_cast<void>(values.next(property.type));
 }
 
-void read_vertices(const MeshSource& source, const Element& element, Values& values, Polygons& polygons) {
+/// \param add  receives each vertex and its line
+template <class Add>
+void read_vertices(const MeshSource& source, const Element& element, Values& values, const Add& add) {
   constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
   for (const std::string_view name : names) {
     const auto same = [&](const Property& p) { return p.name == name && !p.list; };
@@ -258,7 +261,13 @@ void read_vertices(const MeshSource& source, const Element& element, Values& val
         v[static_cast<std::size_t>(axis - names.begin())] = values.next(property.type);
       }
     }
-    polygons.add_vertex({v[0], v[1], v[2]}, values.line());
+    add(Vec3{v[0], v[1], v[2]}, values.line());
+  }
+}
+
+void skip_rows(const Element& element, Values& values) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    for (const Property& property : element.properties) skip(property, values);
   }
 }
 
@@ -310,17 +319,36 @@ void read_ply(const MeshSource& source, Polygons& polygons) {
   for (const Element& element : header.elements) {
     check_room(element, header, values);
     if (element.name == "vertex") {
-      read_vertices(source, element, values, polygons);
+      read_vertices(source, element, values, [&](const Vec3& v, std::size_t line) { polygons.add_vertex(v, line); });
     } else if (element.name == "face") {
       faces = true;
       read_faces(source, element, values, polygons);
     } else {
-      for (std::uint64_t i = 0; i < element.count; ++i) {
-        for (const Property& property : element.properties) skip(property, values);
-      }
+      skip_rows(element, values);
     }
   }
-  if (!faces) throw source.error(0, "it has no faces: it is a cloud of points");
+  if (!faces) {
+    throw source.error(0,
+                       "it has no faces: it is a cloud of points, which point_cloud { \"FILE\", radius = 0.01 } reads");
+  }
+}
+
+void read_ply_points(const MeshSource& source, PointSink& sink) {
+  const Header header = HeaderReader(source).read();
+  sink.format = header.encoding == Encoding::ascii ? "PLY, ASCII" : "PLY, binary";
+  Values values(source, header);
+  for (const Element& element : header.elements) {
+    if (element.name == "vertex") sink.check_limit(static_cast<double>(element.count), 0);
+  }
+  for (const Element& element : header.elements) {
+    check_room(element, header, values);
+    if (element.name == "vertex") {
+      read_vertices(source, element, values, [&](const Vec3& v, std::size_t line) { sink.add(v, line); });
+      return;
+    }
+    skip_rows(element, values);
+  }
+  throw source.error(0, "it has no vertices");
 }
 
 }  // namespace trellis

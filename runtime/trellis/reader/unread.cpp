@@ -20,6 +20,8 @@ constexpr const char* shapes =
 constexpr const char* bodies =
     "; Trellis reads no robots with joints from files: robot.arm makes planar arms, and robot.rigid takes meshes";
 
+constexpr const char* points = "; an obstacle of a world: point_cloud { \"FILE\", radius = 0.01 }";
+
 /// What begins with some bytes.
 struct Signature {
   std::string_view begin;
@@ -48,7 +50,7 @@ constexpr std::array<Signature, 27> signatures = {{
     {"BLENDER"sv, "a file of Blender", convert_mesh},
     {"ISO-10303-21"sv, "a STEP file, which describes parts by their surfaces", convert_mesh},
     {"# Octomap"sv, "an octomap, which divides space into cells", "; Trellis reads no octomaps"},
-    {"# .PCD"sv, "a cloud of points (PCD)", "; Trellis reads no clouds of points: make a mesh of it"},
+    {"# .PCD"sv, "a cloud of points (PCD)", points},
     {"PK\3\4"sv, "a ZIP archive, as .npz and .3mf files are", "; unpack it"},
     {"\x1F\x8B"sv, "a file that gzip compressed", "; decompress it with gunzip"},
     {"\x93NUMPY"sv, "an array of NumPy", "; Trellis reads worlds as images (PNG, PGM)"},
@@ -115,8 +117,8 @@ constexpr std::array<Signature, 35> endings = {{
     {"igs"sv, "an IGES file, which describes parts by their surfaces", convert_mesh},
     {"dxf"sv, "a drawing (DXF)", "; Trellis reads drawings as SVG"},
     {"dwg"sv, "a drawing (DWG)", "; Trellis reads drawings as SVG"},
-    {"pcd"sv, "a cloud of points (PCD)", "; Trellis reads no clouds of points: make a mesh of it"},
-    {"las"sv, "a cloud of points (LAS)", "; Trellis reads no clouds of points: make a mesh of it"},
+    {"pcd"sv, "a cloud of points (PCD)", points},
+    {"las"sv, "a cloud of points (LAS)", "; convert it to PCD or PLY, which point_cloud { \"FILE\" } reads"},
     {"bt"sv, "an octomap, which divides space into cells", "; Trellis reads no octomaps"},
     {"ot"sv, "an octomap, which divides space into cells", "; Trellis reads no octomaps"},
     {"robot"sv, "a robot of PPL", "; Trellis reads the environment NAME.env beside it"},

@@ -47,7 +47,7 @@ class Scene {
   /// Returns the obstacle's name in messages: "obstacle 3 (box 4 0 6 4.75)".
   [[nodiscard]] virtual const std::string& obstacle_name(std::size_t obstacle) const = 0;
   /// Returns the obstacle with the least thickness, of the parts of a planar polygon that is not convex the least one;
-  /// of a mesh along its axes. Surfaces have none. None without obstacles.
+  /// of a mesh along its axes. Surfaces have none. Clouds of points are left out. None without obstacles.
   [[nodiscard]] virtual std::optional<ThinnestObstacle> thinnest_obstacle() const = 0;
   /// Returns a pointer that identifies the world: scenes with copies of one world have the same.
   [[nodiscard]] virtual std::shared_ptr<const void> world_identity() const = 0;

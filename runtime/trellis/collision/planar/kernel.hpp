@@ -86,7 +86,8 @@ struct Table {
   /// the first one, the base, are given.
   /// \param values  of the coordinates
   void (*move_chain)(const ChainBody* bodies, unsigned count, const Lanes* values, Lanes* frames);
-  /// Returns the lanes in which a manipulator touches something. Stops early once the first lane does.
+  /// Returns the lanes in which a manipulator touches something. Stops early once the first lane does; lanes after the
+  /// first may lack what touches a cloud.
   /// \param centres  memory for three lanes of each ball
   /// \param candidates  memory for a number of each solid and each body
   unsigned (*meet_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Scene3& scene,

@@ -27,6 +27,7 @@
 #include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/spatial/box_tree.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/spatial/surface.hpp>
@@ -122,6 +123,7 @@ struct Inflate {
   Shape3 operator()(const Cylinder& c) const { return Cylinder{c.radius + by, c.length + 2.0 * by}; }
   Shape3 operator()(const Capsule& c) const { return Capsule{c.radius + by, c.length}; }
   Shape3 operator()(const std::shared_ptr<const Mesh>& mesh) const { return mesh; }
+  Shape3 operator()(const std::shared_ptr<const PointCloud>&) const { throw Fault("a cloud that is inflated"); }
 };
 
 struct MakeGeometry {
@@ -130,6 +132,7 @@ struct MakeGeometry {
   Geometry operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
   Geometry operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
   Geometry operator()(const std::shared_ptr<const Mesh>&) const { return nullptr; }
+  Geometry operator()(const std::shared_ptr<const PointCloud>&) const { return nullptr; }
 };
 
 std::shared_ptr<const MeshDistance> surface_of(const Cuboid& cuboid) {
@@ -153,6 +156,8 @@ struct Piece {
       model = model_of(*mesh, scale);
       geometry = model->tree;
       surface = {model, &model->distance};
+    } else if (const auto* points = std::get_if<std::shared_ptr<const PointCloud>>(&s.shape)) {
+      cloud = points->get();
     } else {
       geometry = std::visit(MakeGeometry(), scaled({s.shape, {}}, scale).shape);
     }
@@ -175,7 +180,8 @@ struct Piece {
   [[nodiscard]] bool has_inside() const { return model != nullptr && model->distance.mesh().closed(); }
 
   Solid solid;
-  Geometry geometry;                            ///< scaled
+  Geometry geometry;                            ///< scaled; none of a cloud
+  const PointCloud* cloud = nullptr;            ///< where it is one
   std::shared_ptr<const MeshModel> model;       ///< where it is a mesh
   std::shared_ptr<const MeshDistance> surface;  ///< its triangles: of a mesh, and of a box among meshes
   Vec3 middle, half;                            ///< of its bounding box in its own frame
@@ -238,6 +244,39 @@ double gap_between(const Box3& a, const Box3& b) {
   };
   return norm(
       {gap(a.lo.x, a.hi.x, b.lo.x, b.hi.x), gap(a.lo.y, a.hi.y, b.lo.y, b.hi.y), gap(a.lo.z, a.hi.z, b.lo.z, b.hi.z)});
+}
+
+/// Returns the signed distance of a piece's surface from the nearest point of a cloud less the radius of its balls:
+/// `at_most` where it is not less, and at most 0 where a ball is in contact.
+/// \param into    from the cloud's frame to that of the piece
+/// \param inside  whether what lies inside a closed mesh is in contact
+double distance_from_cloud(const Piece& piece, const Pose3& into, const PointCloud& cloud, bool inside,
+                           double at_most) {
+  // The piece's bounding box, in the cloud's frame.
+  const double reach = at_most + cloud.radius();
+  if (!(reach > 0.0)) return at_most;
+  const Turn back(into.inverse());
+  const Box3 tight = box_at(piece, back);
+  const Turn turn(into);
+  const Box3 own{piece.middle - piece.half, piece.middle + piece.half};
+  double best = reach;
+  const auto compare = [&](std::size_t i) {
+    const Vec3 p = turn(cloud.points()[i]);
+    if (gap_between({p, p}, own) >= best) return true;
+    double distance = 0.0;
+    if (piece.model == nullptr) {
+      distance = distance_to({piece.solid.shape, {}}, p);
+    } else if (!inside || !piece.has_inside() || !piece.model->distance.contains(p)) {
+      distance = piece.model->distance.to_surface(p, best);
+    }
+    best = std::min(best, distance);
+    return best > 0.0;
+  };
+  // A near point leaves few others to compare.
+  if (reach > norm(piece.half)) static_cast<void>(compare(cloud.nearest(back(piece.middle)).index));
+  const Vec3 margin{best, best, best};
+  cloud.each_near({tight.lo - margin, tight.hi + margin}, compare);
+  return best < reach ? best - cloud.radius() : at_most;
 }
 
 /// Returns the least distance from a box to the sides of one that contains it; negative where it does not.
@@ -440,6 +479,12 @@ class SpatialFclChecker final : public Checker {
                                   : distance_to({piece.solid.shape, {}}, into(p));
   }
 
+  /// Returns the distance of a cloud from a piece of the robot, at most 0 in contact; `at_most` where it is not less.
+  [[nodiscard]] double cloud_distance(const Piece& piece, const Pose3& at, std::size_t i, double at_most) const {
+    const Pose3 into = at.inverse() * obstacles_[i].solid.pose;
+    return distance_from_cloud(piece, into, *obstacles_[i].cloud, !world_.surface(), at_most);
+  }
+
   /// Returns the distance of an obstacle from a piece of the robot that does not meet it. A nearest point of FCL, whose
   /// iterations end early, counts only if it lies on the obstacle and has that distance.
   [[nodiscard]] Proximity proximity(const Piece& piece, const Pose3& at, std::size_t i) const {
@@ -447,6 +492,16 @@ class SpatialFclChecker final : public Checker {
       const Vec3 p = at.position;
       const Vec3 point = obstacles_[i].solid.pose(obstacles_[i].model->distance.nearest(inverses_[i](p)));
       return {i, norm(p - point), point};
+    }
+    if (const PointCloud* cloud = obstacles_[i].cloud; cloud != nullptr) {
+      Proximity found{i, std::max(cloud_distance(piece, at, i, std::numeric_limits<double>::infinity()), 0.0)};
+      if (robot_.is_point() && found.distance > 0.0) {
+        // The nearest point of the ball.
+        const Vec3 p = inverses_[i](at.position);
+        const Vec3 centre = cloud->points()[cloud->nearest(p).index];
+        found.point = obstacles_[i].solid.pose(centre + (cloud->radius() / norm(p - centre)) * (p - centre));
+      }
+      return found;
     }
     fcl::DistanceRequestd request;
     request.enable_nearest_points = true;
@@ -587,6 +642,10 @@ class SpatialFclChecker final : public Checker {
         checker_.tree_.each([&](const Box3& other) { return all.throughout > 0.0 && overlap(box, other); },
                             [&](std::uint32_t i) {
                               if (all.throughout <= 0.0 || !overlap(box, checker_.boxes_[i])) return;
+                              if (checker_.obstacles_[i].cloud != nullptr) {
+                                add(cloud_gap({piece.solid.shape, at}, motion, i, box));
+                                return;
+                              }
                               add(separation_gap({piece.solid.shape, at}, motion, checker_.obstacles_[i].solid));
                             });
         if (all.throughout <= 0.0) break;
@@ -594,8 +653,35 @@ class SpatialFclChecker final : public Checker {
       return all;
     }
 
+    /// Returns the least gap from the balls of a cloud that may meet a box.
+    [[nodiscard]] SeparationGap cloud_gap(const Solid& moving, const BodyMotion& motion, std::size_t i,
+                                          const Box3& box) const {
+      constexpr int most_balls = 500;
+      const PointCloud& cloud = *checker_.obstacles_[i].cloud;
+      const Pose3& pose = checker_.obstacles_[i].solid.pose;
+      const Box3 seen =
+          bounding_box({Cuboid{box.hi - box.lo}, checker_.inverses_[i] * Pose3{0.5 * (box.lo + box.hi), {}}});
+      const Vec3 margin{cloud.radius(), cloud.radius(), cloud.radius()};
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      SeparationGap all{infinity, infinity};
+      int balls = 0;
+      cloud.each_near({seen.lo - margin, seen.hi + margin}, [&](std::size_t k) {
+        const Solid ball{Sphere{cloud.radius()}, {pose(cloud.points()[k]), {}}};
+        if (gap_between(bounding_box(ball), box) > 0.0) return true;
+        const SeparationGap gap = ++balls > most_balls ? SeparationGap{} : separation_gap(moving, motion, ball);
+        all.middle = std::min(all.middle, gap.middle);
+        all.throughout = std::min(all.throughout, gap.throughout);
+        return all.throughout > 0.0;
+      });
+      return all;
+    }
+
     [[nodiscard]] bool pair_apart(const Piece& piece, const Pose3& pose, std::size_t i, double by) const {
       const Piece& obstacle = checker_.obstacles_[i];
+      if (obstacle.cloud != nullptr) {
+        const double reach = by + checker_.slack_;
+        return checker_.cloud_distance(piece, pose, i, std::nextafter(reach, 2.0 * reach)) > reach;
+      }
       if (piece.model == nullptr) return !meet_inflated(piece, pose, obstacle, obstacle.solid.pose, by);
       if (obstacle.model == nullptr) return !meet_inflated(obstacle, obstacle.solid.pose, piece, pose, by);
       const Turn place(checker_.inverses_[i] * pose);
@@ -636,8 +722,9 @@ class SpatialFclChecker final : public Checker {
                  if (found || !overlap(box, boxes_[i])) return;
                  const Segment3 seen = seen_from(inverses_[i], segment);
                  const Piece& obstacle = obstacles_[i];
-                 found = obstacle.model != nullptr ? trellis::contact(seen, obstacle.model->distance, slack_)
-                                                   : trellis::contact(seen, obstacle.solid.shape, slack_);
+                 found = obstacle.model != nullptr   ? trellis::contact(seen, obstacle.model->distance, slack_)
+                         : obstacle.cloud != nullptr ? trellis::contact(seen, *obstacle.cloud, slack_)
+                                                     : trellis::contact(seen, obstacle.solid.shape, slack_);
                });
     return found ? MotionReport{false, n, *found} : valid;
   }
@@ -665,6 +752,10 @@ class SpatialFclChecker final : public Checker {
       const Transform3 frame = transform(at, scale_);
       for (std::size_t i = 0; i < obstacles_.size(); ++i) {
         if (gap_between(box, boxes_[i]) >= best) continue;
+        if (obstacles_[i].cloud != nullptr) {
+          best = std::max(std::min(best, cloud_distance(piece, at, i, best)), 0.0);
+          continue;
+        }
         fcl::DistanceResultd result;
         fcl::distance(piece.geometry.get(), frame, obstacles_[i].geometry.get(), frames_[i], request, result);
         best = std::min(best, result.min_distance / scale_);
@@ -708,6 +799,7 @@ class SpatialFclChecker final : public Checker {
   /// closed one meets no triangle.
   [[nodiscard]] bool meet(const Piece& piece, const Pose3& pose, const Transform3& frame, std::size_t i) const {
     const Piece& obstacle = obstacles_[i];
+    if (obstacle.cloud != nullptr) return cloud_distance(piece, pose, i, std::nextafter(slack_, 1.0)) <= slack_;
     if (surfaces_meet(piece, pose, frame, i)) return true;
     if (world_.surface()) return false;
     return (obstacle.has_inside() && lies_inside(piece, pose, obstacle, obstacle.solid.pose)) ||

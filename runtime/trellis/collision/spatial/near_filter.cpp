@@ -9,6 +9,7 @@
 #include <variant>
 
 #include <trellis/collision/spatial/shared_cache.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/surface.hpp>
 
 namespace trellis {
@@ -54,6 +55,8 @@ struct ExtentOfShape {
     return extent_of({0, 0, -0.5 * s.length - s.radius}, {0, 0, 0.5 * s.length + s.radius}, {s.radius, 0, 0});
   }
   Extent operator()(const std::shared_ptr<const Mesh>&) const { return {}; }
+  /// Of one of the points.
+  Extent operator()(const std::shared_ptr<const PointCloud>& cloud) const { return (*this)(Sphere{cloud->radius()}); }
 };
 
 /// Returns the extents of the connected parts of the world's obstacles.

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 
 namespace trellis {
@@ -125,6 +126,9 @@ struct ShapeContact {
   std::optional<double> operator()(const std::shared_ptr<const Mesh>&) const {
     throw Fault("a mesh as a convex shape");
   }
+  std::optional<double> operator()(const std::shared_ptr<const PointCloud>&) const {
+    throw Fault("a cloud of points as a convex shape");
+  }
 };
 
 }  // namespace
@@ -135,6 +139,20 @@ Segment3 seen_from(const Pose3& inverse, const Segment3& segment) {
 
 std::optional<double> contact(const Segment3& segment, const Shape3& shape, double reach) {
   return std::visit(ShapeContact{segment, reach}, shape);
+}
+
+std::optional<double> contact(const Segment3& segment, const PointCloud& cloud, double reach) {
+  const Vec3 to = segment.at(1.0);
+  const double within = cloud.radius() + reach;
+  const Vec3 margin{within, within, within};
+  std::optional<double> found;
+  cloud.each_near({least_of(segment.from, to) - margin, greatest_of(segment.from, to) + margin}, [&](std::size_t i) {
+    const Vec3& p = cloud.points()[i];
+    const double t = nearest_parameter(segment, p);
+    if (norm(segment.at(t) - p) <= within) found = t;
+    return !found;
+  });
+  return found;
 }
 
 std::optional<double> contact(const Segment3& segment, const std::array<Vec3, 3>& corners, double reach) {

@@ -96,6 +96,8 @@ class WriteHull {
     return true;
   }
 
+  bool operator()(const std::shared_ptr<const PointCloud>&) const { return false; }
+
  private:
   void add_segment(double length) const {
     for (const double z : {-0.5 * length, 0.5 * length}) hull_.corners.push_back(pose_({0, 0, z}));

@@ -25,7 +25,7 @@ struct SeparationGap {
 /// Returns the largest gap throughout the motion along the directions tried: the normals of both solids' faces, those
 /// of two edges (of boxes and capsules), the axis of a cylinder, and from one middle to the other. A displacement along
 /// the obstacle does not lower it. At the middle it is the distance up to rounding where these are the nearest parts. A
-/// mesh of more than 64 vertices is not compared: then the gap is minus infinity.
+/// mesh of more than 64 vertices is not compared, nor is a cloud of points: then the gap is minus infinity.
 /// \param moving  a solid of the body, where it is at the middle of the motion
 /// \param still   in the same frame
 SeparationGap separation_gap(const Solid& moving, const BodyMotion& motion, const Solid& still);

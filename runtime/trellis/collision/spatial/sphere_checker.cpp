@@ -57,7 +57,7 @@ class SphereChecker final : public Checker {
     for (std::size_t j = 0; j < robot_.dimension(); ++j) {
       for (double& value : values_[j].v) value = q[j];
     }
-    return (met() & 1U) == 0;
+    return (met(1U) & 1U) == 0;
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
@@ -78,7 +78,7 @@ class SphereChecker final : public Checker {
         space_.interpolate(a, b, order.share(rank + lane), q_);
         for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
       }
-      const unsigned hit = met();
+      const unsigned hit = met(first_lanes(n - rank));
       if (hit == 0) continue;
       const auto first = rank + static_cast<std::uint32_t>(std::countr_zero(hit));
       if (first < n) return {false, first + 1, order.share(first)};
@@ -119,6 +119,11 @@ class SphereChecker final : public Checker {
         for (const Primitive& primitive : obstacles_->primitives) {
           compare(primitive.obstacle, primitive.distance(placed_[b][i]) - r);
         }
+        for (const PlacedCloud& cloud : obstacles_->clouds) {
+          // An obstacle as near as another one counts where it comes first.
+          const double enough = std::nextafter(found.distance, std::numeric_limits<double>::infinity()) + r;
+          compare(cloud.obstacle, cloud.distance(placed_[b][i], enough) - r);
+        }
         if (!obstacles_->meshes) continue;
         const NearestObstacle near = obstacles_->meshes->nearest(placed_[b][i]);
         compare(obstacles_->of_mesh[near.obstacle], near.distance - r);
@@ -140,6 +145,10 @@ class SphereChecker final : public Checker {
         for (const Primitive& primitive : obstacles_->primitives) {
           if (primitive.distance(placed_[b][i]) - r <= slack_)
             first = std::min(first.value_or(primitive.obstacle), primitive.obstacle);
+        }
+        for (const PlacedCloud& cloud : obstacles_->clouds) {
+          if (cloud.distance(placed_[b][i], r + 2.0 * slack_) - r <= slack_)
+            first = std::min(first.value_or(cloud.obstacle), cloud.obstacle);
         }
         if (!obstacles_->meshes) continue;
         const NearestObstacle near = obstacles_->meshes->nearest(placed_[b][i]);
@@ -173,12 +182,16 @@ class SphereChecker final : public Checker {
     }
   }
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return shared_->chain(); }
+  /// The bits of the first lanes, at most of all.
+  static unsigned first_lanes(std::size_t count) { return count >= kernel::lanes ? 0xffU : (1U << count) - 1U; }
   /// The lanes of `values_` in which the robot touches something.
-  [[nodiscard]] unsigned met() const {
+  /// \param asked  lanes whose answer is needed
+  [[nodiscard]] unsigned met(unsigned asked) const {
     const auto count = static_cast<unsigned>(chain().size());
+    kernel::Scene3 scene = shared_->kernel_scene();
+    scene.cloud_lanes = asked;
     kernel_.move_chain(chain().data(), count, values_.data(), frames3_.data());
-    return kernel_.meet_chain(chain().data(), count, frames3_.data(), shared_->kernel_scene(), centres_.data(),
-                              candidates_.data());
+    return kernel_.meet_chain(chain().data(), count, frames3_.data(), scene, centres_.data(), candidates_.data());
   }
 
   /// A bound on how far the robot's points move from a to b.
@@ -244,6 +257,13 @@ class SphereChecker final : public Checker {
       if (primitive.distance(placed_[b][0]) - balls[0].radius >= least) continue;
       for (std::size_t i = 1; i < balls.size(); ++i) {
         least = std::min(least, primitive.distance(placed_[b][i]) - balls[i].radius);
+      }
+    }
+    for (const PlacedCloud& cloud : obstacles_->clouds) {
+      const double whole = balls[0].radius;
+      if (cloud.distance(placed_[b][0], least + whole) - whole >= least) continue;
+      for (std::size_t i = 1; i < balls.size(); ++i) {
+        least = std::min(least, cloud.distance(placed_[b][i], least + balls[i].radius) - balls[i].radius);
       }
     }
     if (obstacles_->meshes && (*obstacles_->meshes)(placed_[b][0]) - balls[0].radius < least) {
@@ -414,6 +434,7 @@ class SphereChecker final : public Checker {
       const kernel::ChainMotion motion = move(shares, half);
       kernel::Scene3 scene = checker_.shared_->kernel_scene();
       scene.slack = margin + checker_.slack_;
+      scene.cloud_lanes = first_lanes(shares.size());
       const unsigned near = checker_.kernel_.approach_chain(
           checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()), checker_.frames3_.data(),
           checker_.rates_.data(), scene, motion, checker_.centres_.data(), checker_.candidates_.data());

@@ -40,10 +40,26 @@ struct Solid3 {
   double far = 0.0;                     ///< radius of a ball about its centre that contains it
 };
 
+/// The balls of a cloud of points, all of one radius, with their centres in cubic cells.
+struct Cloud3 {
+  const Lanes* x = nullptr;  ///< of the centres, those of a cell after those of the cell before it
+  const Lanes* y = nullptr;
+  const Lanes* z = nullptr;
+  const unsigned* begin = nullptr;  ///< of each cell the number of its first centre; then the number of all
+  const float* clear = nullptr;     ///< no centre is nearer to any place in the cell than this
+  double lo[3] = {}, hi[3] = {};    // NOLINT: the box of the centres; cells begin at lo
+  double cell = 1.0, per_metre = 1.0;
+  unsigned count[3] = {1, 1, 1};  // NOLINT: of cells along the axes
+  double radius = 0.0;
+};
+
 /// What a manipulator must not touch.
 struct Scene3 {
   const Solid3* solids = nullptr;
   unsigned solid_count = 0;
+  const Cloud3* clouds = nullptr;
+  unsigned cloud_count = 0;
+  unsigned cloud_lanes = 0xff;        ///< clouds are compared in these lanes
   const unsigned* reached = nullptr;  ///< solids, see ChainBody
   const unsigned* pairs = nullptr;    ///< two bodies each
   unsigned pair_count = 0;

@@ -20,6 +20,8 @@ inline V3 cross(const V3& a, const V3& b) {
 }
 inline V length(const V3& a) { return root(dot(a, a)); }
 
+#include <trellis/collision/spatial/cloud_kernel.inl>
+
 /// A frame: nine lanes of the matrix, three of the position.
 inline V3 at(const Lanes* frame, double x, double y, double z) {
   const V a = spread(x);
@@ -118,6 +120,8 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
                     unsigned* candidates) {
   unsigned hit = 0;
   const auto decided = [&] { return (hit & 1U) != 0; };
+  // Lanes after the first that touches something need no answer.
+  const auto cloud_lanes = [&] { return scene.cloud_lanes & ((hit & (0U - hit)) - 1U); };
   const double slack = scene.slack;
   unsigned* const placed = candidates + scene.solid_count;
   // Contact is likelier far from the base.
@@ -159,6 +163,17 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
         hit |= bits(ball_meets(c, body.balls[i].radius + slack, scene.solids[candidates[k]]));
       }
       if (decided()) return hit;
+    }
+    for (unsigned k = 0; k < scene.cloud_count; ++k) {
+      const Cloud3& cloud = scene.clouds[k];
+      const unsigned whole_near =
+          near_cloud(whole, spread(body.balls[0].radius + slack + cloud.radius), cloud, cloud_lanes());
+      if (whole_near == 0) continue;
+      place_balls(body, frame, own, placed[b]);
+      for (unsigned i = 1; i < body.ball_count; ++i) {
+        hit |= meets_cloud(load(own + 3UL * i), body.balls[i].radius + slack, cloud, whole_near & cloud_lanes());
+        if (decided()) return hit;
+      }
     }
     if (decided()) return hit;
   }
@@ -357,6 +372,19 @@ unsigned approach_chain(const ChainBody* bodies, unsigned count, const Lanes* fr
       }
       if (hit == 0xffU) return hit;
     }
+    for (unsigned k = 0; k < scene.cloud_count; ++k) {
+      const Cloud3& cloud = scene.clouds[k];
+      const unsigned asked = near_cloud(whole, spread(body.balls[0].radius + slack + cloud.radius) + moved, cloud,
+                                        scene.cloud_lanes & ~hit);
+      if (asked == 0) continue;
+      place_balls(body, frame, own, placed[b]);
+      for (unsigned i = 1; i < body.ball_count; ++i) {
+        const V3 c = load(own + 3UL * i);
+        const V3 step = rate.at(c);
+        hit |= approaches_cloud(c, step, length(step), body.balls[i].radius + slack, cloud, asked & ~hit);
+      }
+      if (hit == 0xffU) return hit;
+    }
   }
   for (unsigned p = 0; p < scene.pair_count; ++p) {
     const unsigned a = scene.pairs[2UL * p];
@@ -445,6 +473,21 @@ void measure_chain(const ChainBody* bodies, unsigned count, const Lanes* frames,
         const V change = abs(toward(place, rate.at(c), solid, scale));
         note(distance - spread(place.round + body.balls[i].radius), change / max(scale * distance, tiny), bend);
       }
+    }
+    for (unsigned k = 0; k < scene.cloud_count; ++k) {
+      const Cloud3& cloud = scene.clouds[k];
+      const V reach = max(least, (sure + moved) + spread(bend)) + spread(body.balls[0].radius + cloud.radius);
+      if (near_cloud(whole, reach, cloud, 0xffU) == 0) continue;
+      place_balls(body, frame, own, placed[b]);
+      Lanes lowest, certain;
+      store(lowest.v, least);
+      store(certain.v, sure);
+      for (unsigned i = 1; i < body.ball_count; ++i) {
+        const V3 c = load(own + 3UL * i);
+        measure_cloud(c, rate.at(c), body.balls[i].radius, bend, cloud, lowest, certain);
+      }
+      least = load(lowest.v);
+      sure = load(certain.v);
     }
   }
   for (unsigned p = 0; p < scene.pair_count; ++p) {

@@ -5,6 +5,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/cache_by_world.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 
 namespace trellis {
 
@@ -63,6 +64,10 @@ std::shared_ptr<const SolidObstacles> obstacles_in(const World3& world) {
       if (std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape)) {
         meshes.push_back(solid);
         all.of_mesh.push_back(i);
+      } else if (const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&solid.shape)) {
+        std::vector<Vec3> points = (*cloud)->points();
+        for (Vec3& p : points) p = solid.pose(p);
+        all.clouds.push_back({*cloud, solid.pose.inverse(), i, CloudGrid(points, (*cloud)->radius())});
       } else {
         all.primitives.push_back(primitive_of(solid, i));
       }
@@ -99,6 +104,13 @@ BodySphere enclosing(const std::vector<BodySphere>& balls) {
 }
 
 }  // namespace
+
+double PlacedCloud::distance(const Vec3& p, double at_most) const {
+  const double most = at_most + cloud->radius();
+  if (!(most > 0.0)) return at_most;
+  const double found = cloud->nearest(inverse(p), most).distance;
+  return found < most ? found - cloud->radius() : at_most;
+}
 
 std::shared_ptr<const SphereScene> SphereScene::of(const std::shared_ptr<const Scene>& scene, double slack) {
   /// A scene as a world, whose copies are one object.
@@ -233,6 +245,7 @@ void SphereScene::make_batches(const World3& world, double slack) {
     made.length = primitive.length;
     made.far = primitive.far;
   }
+  for (const PlacedCloud& cloud : obstacles_->clouds) clouds_.push_back(cloud.grid.data());
   list_reached(slack);
   for (const auto& [a, b] : model_.pairs()) {
     pairs_.push_back(static_cast<unsigned>(a));
@@ -240,6 +253,8 @@ void SphereScene::make_batches(const World3& world, double slack) {
   }
   scene_.solids = solids_.data();
   scene_.solid_count = static_cast<unsigned>(solids_.size());
+  scene_.clouds = clouds_.data();
+  scene_.cloud_count = static_cast<unsigned>(clouds_.size());
   scene_.reached = reached_.data();
   scene_.pairs = pairs_.data();
   scene_.pair_count = static_cast<unsigned>(model_.pairs().size());

@@ -12,6 +12,7 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/collision/planar/kernel.hpp>
+#include <trellis/collision/spatial/cloud_grid.hpp>
 #include <trellis/scene/scene.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
@@ -70,9 +71,21 @@ struct Primitive {
   }
 };
 
-/// The obstacles of a world: those that are primitives, and the meshes.
+/// An obstacle that is a cloud of points.
+struct PlacedCloud {
+  std::shared_ptr<const PointCloud> cloud;
+  Pose3 inverse;  ///< from the world to its frame
+  std::size_t obstacle = 0;
+  CloudGrid grid;
+
+  /// The distance of a point from the nearest ball, at most 0 in contact; `at_most` where it is not less.
+  [[nodiscard]] double distance(const Vec3& p, double at_most) const;
+};
+
+/// The obstacles of a world: those that are primitives, the clouds, and the meshes.
 struct SolidObstacles {
   std::vector<Primitive> primitives;
+  std::vector<PlacedCloud> clouds;
   std::optional<ObstacleDistance> meshes;
   std::vector<std::size_t> of_mesh;  ///< for each mesh its obstacle
 };
@@ -143,6 +156,7 @@ class SphereScene {
   std::vector<kernel::Ball> balls_;
   std::vector<kernel::ChainBody> chain_;
   std::vector<kernel::Solid3> solids_;
+  std::vector<kernel::Cloud3> clouds_;
   std::vector<unsigned> reached_;
   std::vector<unsigned> pairs_;
   kernel::Scene3 scene_;

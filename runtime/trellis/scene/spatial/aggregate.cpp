@@ -17,6 +17,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/merging.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 
 namespace trellis {
@@ -100,9 +101,11 @@ struct Corners {
     return all;
   }
   std::vector<Vec3> operator()(const std::shared_ptr<const Mesh>& mesh) const { return mesh->vertices(); }
+  std::vector<Vec3> operator()(const std::shared_ptr<const PointCloud>&) const { throw Fault("a hull of a cloud"); }
 };
 
 bool mergeable(const Solid& solid) {
+  if (std::holds_alternative<std::shared_ptr<const PointCloud>>(solid.shape)) return false;
   const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&solid.shape);
   return mesh == nullptr || (*mesh)->triangles().size() <= most_triangles;
 }

@@ -18,6 +18,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/scene/precision.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 
 namespace trellis {
 
@@ -232,6 +233,13 @@ std::optional<Shape3> eroded(const std::shared_ptr<const Mesh>& mesh, double d) 
   throw Error("a mesh that is not closed has no inside that could be eroded");
 }
 
+/// The union of the smaller balls is a part of what is left of the union of all.
+std::optional<Shape3> eroded(const std::shared_ptr<const PointCloud>& cloud, double d) {
+  if (d == 0.0) return cloud;
+  if (cloud->radius() <= d) return std::nullopt;
+  return std::make_shared<const PointCloud>(cloud->with_radius(cloud->radius() - d));
+}
+
 /// The smallest of the sizes that `check_precision` checks.
 double smallest_size(const Shape3& shape) {
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return 2.0 * sphere->radius;
@@ -239,6 +247,7 @@ double smallest_size(const Shape3& shape) {
     return std::min({cuboid->size.x, cuboid->size.y, cuboid->size.z});
   if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return std::min(2.0 * cylinder->radius, cylinder->length);
   if (const auto* capsule = std::get_if<Capsule>(&shape)) return 2.0 * capsule->radius;
+  if (const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&shape)) return 2.0 * (*cloud)->radius();
   const Box3& box = std::get<std::shared_ptr<const Mesh>>(shape)->bounds();
   return std::max({box.hi.x - box.lo.x, box.hi.y - box.lo.y, box.hi.z - box.lo.z});
 }

@@ -135,6 +135,7 @@ SphereModel SphereModel::with_states(std::vector<State> states) const {
 
 SphereModel SphereModel::attached(const std::string& name, const Solid& solid, std::size_t link,
                                   const std::vector<std::size_t>& touch) const {
+  check_no_cloud(solid, fmt::format("the attached body '{}'", name));
   const std::size_t added = robot_.tree().links().size();
   Pairs may_touch = may_touch_;
   for (const std::size_t other : touch) may_touch.emplace_back(other, added);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 #include <trellis/scene/spatial/surface.hpp>
 
@@ -43,7 +44,7 @@ double combined(double a, double b) {
   return a > 0.0 || b > 0.0 ? std::hypot(std::max(a, 0.0), std::max(b, 0.0)) : std::max(a, b);
 }
 
-/// The signed distance from a shape that is no mesh, in its frame.
+/// The signed distance from a shape that is no mesh, in its frame; of a cloud that of its nearest ball.
 struct SignedDistance {
   const Vec3& p;
 
@@ -56,6 +57,9 @@ struct SignedDistance {
     return norm({p.x, p.y, std::max(0.0, std::abs(p.z) - 0.5 * s.length)}) - s.radius;
   }
   double operator()(const std::shared_ptr<const Mesh>&) const { return infinity; }
+  double operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    return cloud->nearest(p).distance - cloud->radius();
+  }
 };
 
 /// Returns v at this length; along `other` where v is 0.
@@ -91,6 +95,10 @@ struct NearestPoint {
     return axis + with_length(p - axis, s.radius, {1, 0, 0});
   }
   Vec3 operator()(const std::shared_ptr<const Mesh>&) const { return {}; }
+  Vec3 operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    const Vec3& centre = cloud->points()[cloud->nearest(p).index];
+    return centre + with_length(p - centre, cloud->radius(), {1, 0, 0});
+  }
 };
 
 /// The nearest point of a triangle.
@@ -204,6 +212,11 @@ Box3 ObstacleDistance::bounds() const {
 
 double ObstacleDistance::of_obstacle(const Obstacle& obstacle, const Vec3& p, double best) const {
   const Vec3 local = obstacle.inverse(p);
+  if (const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&obstacle.solid.shape)) {
+    const double most = best + (*cloud)->radius();
+    const double found = (*cloud)->nearest(local, std::max(most, 0.0)).distance;
+    return found < most ? found - (*cloud)->radius() : best;
+  }
   if (!std::holds_alternative<std::shared_ptr<const Mesh>>(obstacle.solid.shape)) {
     return std::visit(SignedDistance{local}, obstacle.solid.shape);
   }

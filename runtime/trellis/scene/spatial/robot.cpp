@@ -33,6 +33,7 @@ struct Inscribed {
   double operator()(const std::shared_ptr<const Mesh>& mesh) const {
     return contains(*mesh, at) ? distance_to_surface(*mesh, at) : 0.0;
   }
+  double operator()(const std::shared_ptr<const PointCloud>&) const { throw Fault("a robot of points"); }
 };
 
 }  // namespace
@@ -44,7 +45,9 @@ Robot3::Robot3(std::string name, std::vector<Solid> solids, bool rotates)
     throw Error(fmt::format("robot '{}': at most {} shapes, got {}", name_, most_shapes, solids_.size()));
   }
   for (std::size_t i = 0; i < solids_.size(); ++i) {
-    check_solid(solids_[i], fmt::format("robot '{}': shape {}", name_, i + 1), true);
+    const std::string what = fmt::format("robot '{}': shape {}", name_, i + 1);
+    check_no_cloud(solids_[i], what);
+    check_solid(solids_[i], what, true);
     bounding_radius_ = std::max(bounding_radius_, farthest_from_origin(solids_[i]));
     inscribed_radius_ =
         std::max(inscribed_radius_, std::visit(Inscribed{solids_[i].pose.inverse().position}, solids_[i].shape));

@@ -38,6 +38,8 @@ double thickness(const Solid& solid, bool surface) {
 std::optional<ThinnestObstacle> SpatialScene::thinnest_obstacle() const {
   std::optional<ThinnestObstacle> found;
   for (std::size_t i = 0; i < world.obstacles().size(); ++i) {
+    // What the points of a cloud sample is thicker than their balls.
+    if (std::holds_alternative<std::shared_ptr<const PointCloud>>(world.obstacles()[i].solid.shape)) continue;
     const double thin = thickness(world.obstacles()[i].solid, world.surface());
     if (!found || thin < found->thickness) found = {i, thin};
   }

@@ -8,6 +8,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/precision.hpp>
+#include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 
 namespace trellis {
@@ -45,6 +46,9 @@ struct Check {
   void operator()(const std::shared_ptr<const Mesh>& mesh) const {
     if (mesh == nullptr) throw Error(fmt::format("{}: it has no mesh", what));
   }
+  void operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    if (cloud == nullptr) throw Error(fmt::format("{}: it has no points", what));
+  }
 };
 
 struct Bounds {
@@ -81,6 +85,19 @@ struct Bounds {
     }
     return box;
   }
+  Box3 operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    if (pose.orientation == Quaternion{}) {
+      return {cloud->bounds().lo + pose.position, cloud->bounds().hi + pose.position};
+    }
+    const Vec3 first = pose(cloud->points().front());
+    Box3 box{first, first};
+    for (const Vec3& point : cloud->points()) {
+      const Vec3 p = pose(point);
+      box = {least_of(box.lo, p), greatest_of(box.hi, p)};
+    }
+    const Vec3 margin{cloud->radius(), cloud->radius(), cloud->radius()};
+    return {box.lo - margin, box.hi + margin};
+  }
 };
 
 /// Of a shape, from a point of its frame.
@@ -103,6 +120,11 @@ struct Farthest {
     for (const Vec3& v : mesh->vertices()) radius = std::max(radius, norm(v - from));
     return radius;
   }
+  double operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    double radius = 0.0;
+    for (const Vec3& p : cloud->points()) radius = std::max(radius, norm(p - from));
+    return radius + cloud->radius();
+  }
 };
 
 struct Scaled {
@@ -114,6 +136,9 @@ struct Scaled {
   Shape3 operator()(const Capsule& s) const { return Capsule{factor * s.radius, factor * s.length}; }
   Shape3 operator()(const std::shared_ptr<const Mesh>& mesh) const {
     return std::make_shared<const Mesh>(mesh->scaled(factor));
+  }
+  Shape3 operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    return std::make_shared<const PointCloud>(cloud->scaled(factor));
   }
 };
 
@@ -135,6 +160,9 @@ struct Distance {
   }
   double operator()(const std::shared_ptr<const Mesh>& mesh) const {
     return contains(*mesh, p) ? 0.0 : distance_to_surface(*mesh, p);
+  }
+  double operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    return std::max(0.0, cloud->nearest(p).distance - cloud->radius());
   }
 };
 
@@ -159,6 +187,9 @@ struct Precision {
   void operator()(const std::shared_ptr<const Mesh>& mesh) const {
     const Vec3 extent = mesh->bounds().hi - mesh->bounds().lo;
     size("extent", std::max({extent.x, extent.y, extent.z}));
+  }
+  void operator()(const std::shared_ptr<const PointCloud>& cloud) const {
+    size("diameter of points", 2.0 * cloud->radius());
   }
   void size(const char* name, double value) const { check_size(value, farthest, name, what); }
 };
@@ -191,6 +222,11 @@ void check_solid(const Solid& solid, const std::string& what, bool point) {
                     what, q.x, q.y, q.z, q.w, length));
   }
   check_precision(solid, farthest_of(bounding_box(solid)), what);
+}
+
+void check_no_cloud(const Solid& solid, const std::string& what) {
+  if (!std::holds_alternative<std::shared_ptr<const PointCloud>>(solid.shape)) return;
+  throw Error(fmt::format("{}: a cloud of points can be an obstacle, no part of a robot", what));
 }
 
 Box3 bounding_box(const Solid& solid) { return std::visit(Bounds{solid.pose}, solid.shape); }

@@ -9,6 +9,8 @@
 
 namespace trellis {
 
+class PointCloud;
+
 /// A closed ball about the origin of its frame; radius 0 is a point (allowed for robots only).
 struct Sphere {
   double radius = 0.0;
@@ -35,8 +37,10 @@ struct Capsule {
   friend bool operator==(const Capsule&, const Capsule&) = default;
 };
 
-/// The shapes of obstacles and robot parts in space. A mesh is shared: copies of a scene have one.
-using Shape3 = std::variant<Sphere, Cuboid, Cylinder, Capsule, std::shared_ptr<const Mesh>>;
+/// The shapes of obstacles and robot parts in space. A mesh is shared: copies of a scene have one. So is a cloud of
+/// points, which only obstacles may be.
+using Shape3 =
+    std::variant<Sphere, Cuboid, Cylinder, Capsule, std::shared_ptr<const Mesh>, std::shared_ptr<const PointCloud>>;
 
 /// A shape at a place.
 struct Solid {
@@ -59,6 +63,8 @@ double farthest_of(const Box3& box);
 Box3 bounding_box(const Solid& solid);
 /// Returns the largest distance of a point of the solid from the origin.
 double farthest_from_origin(const Solid& solid);
+/// \throws Error that starts with `what` where the solid is a cloud of points
+void check_no_cloud(const Solid& solid, const std::string& what);
 /// Returns the distance of p from the solid in metres, 0 inside; of a mesh that is not closed the distance from its
 /// surface. Takes time proportional to the number of a mesh's triangles.
 double distance_to(const Solid& solid, const Vec3& p);
