@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """stage.py ROOT FOLDER: writes what Sphinx reads, for scripts/docs.
 
-Copies README.md, CHANGELOG.md and docs/ into FOLDER. Sources that the pages link to become pages of their own, so that
+Copies README.md, CHANGELOG.md, CONTRIBUTING.md and docs/ into FOLDER. Sources that the pages link to become pages of their own, so that
 the site needs neither the repository nor a network. The navigation is the map in docs/README.md: Sphinx warns of a page
 that the map lacks, and scripts/docs fails on a warning.
 """
@@ -18,7 +18,7 @@ LANGUAGES = {
     ".lua": "lua", ".cpp": "cpp", ".hpp": "cpp", ".txt": "cmake", ".cmake": "cmake", ".json": "json", ".sh": "bash",
     ".slurm": "bash", ".py": "python",
 }
-PAGES = ["README.md", "CHANGELOG.md"]
+PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"]
 # Titles of the navigation for the tables of the map, by the heading of their first column.
 CAPTIONS = {"begin here": "Begin here", "to look up": "Look up", "results": "Results", "for developers": "Developers"}
 
