@@ -42,8 +42,9 @@ int help(const std::string& topic, const CommandLine& line) {
               verbs_text("", width));
   } else {
     const std::string of_verb = line.usage_of(topic);
-    const bool word =
-        std::any_of(dsl::words().begin(), dsl::words().end(), [&](const dsl::Word& one) { return one.name == topic; });
+    // A word of the language, or the terms of reports.
+    const bool word = topic == "report" || std::any_of(dsl::words().begin(), dsl::words().end(),
+                                                       [&](const dsl::Word& one) { return one.name == topic; });
     if (of_verb.empty() || word) print_all(help_on(topic, line, width));
     if (!of_verb.empty()) print_all(word ? "\n" + of_verb : of_verb);
   }
