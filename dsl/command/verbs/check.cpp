@@ -75,7 +75,8 @@ void try_functions(const std::string& name, const StrategySpec& strategy, const 
   const auto begin = std::chrono::steady_clock::now();
   int steps = 0;
   const auto enough = [&] { return ++steps > few || std::chrono::steady_clock::now() - begin > patience; };
-  static_cast<void>(run_cell(name, strategy, problem, 1, {.interrupted = enough, .measured = false, .companion = false}));
+  static_cast<void>(
+      run_cell(name, strategy, problem, 1, {.interrupted = enough, .measured = false, .companion = false}));
 }
 
 /// Warns of local variables that hide a word of the language and that nothing uses, as in `local world = world { ...

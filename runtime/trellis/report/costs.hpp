@@ -10,7 +10,7 @@
 
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/experiment_summary.hpp>
-#include <trellis/strategy/improvement.hpp>
+#include <trellis/strategy/run_facts.hpp>
 
 /// Compares the costs of strategies: validity checks of all levels until the first path, and CPU time, paired by seed,
 /// from the documents of `trellis run --json`.

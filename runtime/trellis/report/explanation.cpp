@@ -17,6 +17,7 @@
 #include <trellis/report/views/table.hpp>
 #include <trellis/report/words.hpp>
 #include <trellis/strategy/combinators.hpp>
+#include <trellis/strategy/executor.hpp>
 
 namespace trellis {
 

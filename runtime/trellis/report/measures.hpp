@@ -15,8 +15,8 @@ struct MeasureQuantity {
   const char* name;   ///< in JSON
   double (*of_run)(const Efficiency&);
   double& (*field)(Efficiency&);  ///< where a run stores it; nullptr: computed from others
-  Interval Figure::*over_runs;  ///< nullptr: summaries do not have it
-  bool infinite;                ///< whether runs print an infinite value; else it counts as missing
+  Interval Figure::*over_runs;    ///< nullptr: summaries do not have it
+  bool infinite;                  ///< whether runs print an infinite value; else it counts as missing
 };
 
 /// Returns all quantities, in the order of reports; those of a group follow one another.

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include <trellis/strategy/resolves.hpp>
+#include <trellis/strategy/run_facts.hpp>
 
 namespace trellis {
 

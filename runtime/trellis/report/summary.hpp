@@ -15,7 +15,7 @@
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/measure/statistics.hpp>
-#include <trellis/strategy/resolves.hpp>
+#include <trellis/strategy/run_facts.hpp>
 
 namespace trellis {
 

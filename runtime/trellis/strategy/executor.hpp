@@ -11,8 +11,7 @@
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/scene/scene.hpp>
-#include <trellis/strategy/improvement.hpp>
-#include <trellis/strategy/resolves.hpp>
+#include <trellis/strategy/run_facts.hpp>
 #include <trellis/strategy/spec.hpp>
 
 namespace trellis {

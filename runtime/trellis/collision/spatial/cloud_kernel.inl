@@ -23,7 +23,7 @@ inline double least_squared(const Cloud3& cloud, const CloudPlace& place, unsign
   const auto i = static_cast<unsigned>(place.x.v[lane]);
   const auto j = static_cast<unsigned>(place.y.v[lane]);
   const auto k = static_cast<unsigned>(place.z.v[lane]);
-  const double clear = static_cast<double>(cloud.clear[(k * cloud.count[1] + j) * cloud.count[0] + i]);
+  const auto clear = static_cast<double>(cloud.clear[(k * cloud.count[1] + j) * cloud.count[0] + i]);
   // The grid is convex: seen from its nearest place, all points are farther by what lies beyond.
   return (place.beyond.v[lane] + clear * clear) * (1.0 - 1e-9);
 }

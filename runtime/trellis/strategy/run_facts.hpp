@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a run records beside its samples: why levels were solved again, and its paths.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,13 @@ struct Resolves {
   bool exhausted = false;
   /// Whether its path was refuted after the maximum number of solves that its guide allows.
   bool limit_reached = false;
+};
+
+/// A path of a run that is shorter than all earlier ones.
+struct Improvement {
+  std::uint64_t validity_checks = 0;  ///< of all levels so far
+  double cpu_seconds = 0.0;
+  double length = 0.0;  ///< in metres in the metric
 };
 
 }  // namespace trellis
