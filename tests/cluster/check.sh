@@ -104,7 +104,8 @@ CONF
     sleep 0.02
   done
   if scontrol requeue "${job}_2" 2> /dev/null; then
-    # Slurm would wait two minutes.
+    # Slurm would wait two minutes. In the second in which it was revoked, the node still refuses the job.
+    sleep 2
     for _ in $(seq 60); do
       case $(squeue --noheader --jobs "${job}_2" --format %t 2> /dev/null) in
         PD) scontrol update "JobId=${job}_2" StartTime=now 2> /dev/null || true ;;

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <signal.h>  // NOLINT(modernize-deprecated-headers): ppoll's masks are POSIX's
 #include <sys/stat.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -47,6 +48,37 @@ struct Typed {
 Typed& typed() {
   static Typed one;
   return one;
+}
+
+/// The signals that are blocked while the program waits for a key.
+sigset_t& waiting() {
+  static sigset_t one;
+  return one;
+}
+
+/// Sets up the terminal so that read() returns at once where nothing was typed. readline restores it.
+void prepare_terminal(int meta) {
+  rl_prep_terminal(meta);
+  termios mode{};
+  if (::tcgetattr(STDIN_FILENO, &mode) != 0) return;
+  mode.c_cc[VMIN] = 0;
+  mode.c_cc[VTIME] = 0;
+  ::tcsetattr(STDIN_FILENO, TCSADRAIN, &mode);
+}
+
+/// Returns the next key; EOF at the end and after Ctrl-C. On Ctrl-C the terminal discards keys that poll() has already
+/// reported, so the program never waits with the signal blocked.
+int next_key(FILE* /*from*/) {
+  while (!InterruptibleSession::requested()) {
+    unsigned char key = 0;
+    const ssize_t got = ::read(STDIN_FILENO, &key, 1);
+    if (got == 1) return key;
+    if (got < 0 && errno != EINTR && errno != EAGAIN) return EOF;
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (::ppoll(&input, 1, nullptr, &waiting()) < 0 && errno != EINTR) return EOF;
+    if ((input.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0 && (input.revents & POLLIN) == 0) return EOF;
+  }
+  return EOF;
 }
 
 void take_line(char* line) {
@@ -122,6 +154,8 @@ LineReader::LineReader(Completer completes)
   completer() = std::move(completes);
   rl_readline_name = "trellis";
   rl_catch_signals = 0;  // the session handles Ctrl-C
+  rl_prep_term_function = prepare_terminal;
+  rl_getc_function = next_key;
   rl_attempted_completion_function = complete;
   rl_completer_word_break_characters = " \t\n\"'`@$><=;|&{}()[]+-*/%^,#~:.";
   rl_completer_quote_characters = "\"'";
@@ -145,7 +179,7 @@ LineReader::Got LineReader::read(const std::string& prompt, std::string& line) {
 LineReader::Got LineReader::edit(const std::string& prompt, std::string& line) {
   // Allow Ctrl-C only while the program waits for a key.
   sigset_t blocked;
-  sigset_t before;
+  sigset_t& before = waiting();
   ::sigemptyset(&blocked);
   ::sigaddset(&blocked, SIGINT);
   ::pthread_sigmask(SIG_BLOCK, &blocked, &before);
@@ -156,6 +190,7 @@ LineReader::Got LineReader::edit(const std::string& prompt, std::string& line) {
   while (!typed().done) {
     pollfd input{STDIN_FILENO, POLLIN, 0};
     const int ready = ::ppoll(&input, 1, nullptr, &before);
+    if (ready > 0 && !InterruptibleSession::requested()) rl_callback_read_char();
     if (InterruptibleSession::requested()) {
       InterruptibleSession::forget();
       rl_callback_sigcleanup();
@@ -169,9 +204,7 @@ LineReader::Got LineReader::edit(const std::string& prompt, std::string& line) {
       got = Got::interrupted;
       break;
     }
-    if (ready > 0) {
-      rl_callback_read_char();
-    } else if (ready < 0 && errno != EINTR) {
+    if (ready < 0 && errno != EINTR) {
       rl_callback_handler_remove();
       got = Got::end;
       break;
