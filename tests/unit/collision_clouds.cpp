@@ -20,27 +20,14 @@
 #include <trellis/scene/spatial/scene.hpp>
 
 #include "support/catch.hpp"
-#include "support/folder.hpp"
-#include "support/manipulators.hpp"
+#include "support/six_arm.hpp"
 
 using namespace trellis;
 using Catch::Matchers::WithinAbs;
+using test::drawn;
+using test::six_arm;
 
 namespace {
-
-SphereModel six() {
-  const test::Folder folder;
-  ManipulatorFiles files;
-  files.urdf = folder.write("six.urdf", test::six_joints);
-  files.srdf = folder.write("six.srdf", test::six_joints_srdf);
-  files.group = "arm";
-  std::vector<std::string> warnings;
-  return read_manipulator(files, warnings);
-}
-
-Vec3 drawn(Stream& stream, double lo, double hi) {
-  return {stream.uniform(lo, hi), stream.uniform(lo, hi), stream.uniform(lo, hi)};
-}
 
 /// Points on some planes, and single ones.
 std::vector<Vec3> random_points(Stream& stream, std::size_t count) {
@@ -108,7 +95,7 @@ TEST_CASE("the cells of a cloud know a bound on the distance of its points", "[c
 }
 
 TEST_CASE("an arm touches a cloud where it touches one of as many balls, at the same distance", "[collision][robot]") {
-  const SphereModel robot = six();
+  const SphereModel robot = six_arm();
   Stream stream(2, "0", "arms");
   int hits = 0;
   int free = 0;
@@ -164,7 +151,7 @@ TEST_CASE("the kernels of all instruction sets give the same bits for clouds", "
   unsigned count = 0;
   const kernel::Table* const* const tables = kernel::available(count);
   Stream stream(3, "0", "tables");
-  const SphereModel robot = six();
+  const SphereModel robot = six_arm();
   for (int w = 0; w < 4; ++w) {
     const ManipulatorScene scene(random_worlds(stream, 300, false).cloud, robot);
     const SphereScene prepared(scene, 1e-12);

@@ -21,26 +21,14 @@
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
-#include "support/manipulators.hpp"
 #include "support/scenes.hpp"
+#include "support/six_arm.hpp"
 
 using namespace trellis;
+using test::drawn;
+using test::six_arm;
 
 namespace {
-
-SphereModel six() {
-  const test::Folder folder;
-  ManipulatorFiles files;
-  files.urdf = folder.write("six.urdf", test::six_joints);
-  files.srdf = folder.write("six.srdf", test::six_joints_srdf);
-  files.group = "arm";
-  std::vector<std::string> warnings;
-  return read_manipulator(files, warnings);
-}
-
-Vec3 drawn(Stream& stream, double lo, double hi) {
-  return {stream.uniform(lo, hi), stream.uniform(lo, hi), stream.uniform(lo, hi)};
-}
 
 /// Primitives of all kinds about the robot, and a mesh if wanted: meshes are decided without the kernels.
 World3 random_world(Stream& stream, bool mesh) {
@@ -155,7 +143,7 @@ TEST_CASE("scenes of robowflex are read with their requests", "[collision][robot
 }
 
 TEST_CASE("what a manipulator touches is what FCL says of its balls one by one", "[collision][robot]") {
-  const SphereModel robot = six();
+  const SphereModel robot = six_arm();
   Stream stream(1, "0", "balls");
   constexpr double rounding = 1e-9;
   int valid = 0;
@@ -185,7 +173,7 @@ TEST_CASE("what a manipulator touches is what FCL says of its balls one by one",
 
 TEST_CASE("a motion is valid where the configurations that it is checked at are, and certified only where all are",
           "[collision][robot]") {
-  const SphereModel robot = six();
+  const SphereModel robot = six_arm();
   Stream stream(2, "0", "motions");
   int certified = 0;
   int refuted = 0;
@@ -265,7 +253,7 @@ TEST_CASE("the kernels of all instruction sets give the same bits for manipulato
   unsigned count = 0;
   const kernel::Table* const* const tables = kernel::available(count);
   Stream stream(3, "0", "tables");
-  for (const SphereModel& robot : {six(), read_railed()}) {
+  for (const SphereModel& robot : {six_arm(), read_railed()}) {
     for (int w = 0; w < 4; ++w) {
       const ManipulatorScene scene(random_world(stream, false), robot);
       const SphereScene prepared(scene, 1e-12);
@@ -327,7 +315,7 @@ TEST_CASE("a certificate's clearance holds at every configuration of a motion, a
   Stream stream(4, "0", "clearances");
   int certified = 0;
   int exact = 0;
-  for (const SphereModel& robot : {six(), read_railed()}) {
+  for (const SphereModel& robot : {six_arm(), read_railed()}) {
     for (int w = 0; w < 8; ++w) {
       const World3 world = random_world(stream, false);
       // Every second world bounds the robot too.

@@ -19,25 +19,13 @@
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
-#include "support/manipulators.hpp"
+#include "support/six_arm.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
+using test::six_arm;
 
 namespace {
-
-SphereModel six(const std::string& group = "arm", bool mobile = false) {
-  const test::Folder folder;
-  ManipulatorFiles files;
-  files.urdf = folder.write("six.urdf", test::six_joints);
-  files.srdf = folder.write("six.srdf", test::six_joints_srdf);
-  files.group = group;
-  files.mobile = mobile;
-  std::vector<std::string> warnings;
-  SphereModel robot = read_manipulator(files, warnings);
-  CHECK(warnings.empty());
-  return robot;
-}
 
 World3 world_with(std::vector<Obstacle3> obstacles) {
   return {{{-2, -2, -2}, {2, 2, 2}}, std::move(obstacles), Contain::none};
@@ -59,7 +47,7 @@ Problem problem_of(const World3& world, const SphereModel& robot) {
 }  // namespace
 
 TEST_CASE("inverse kinematics brings a point, and a frame, where some configuration has it", "[robot]") {
-  const SphereModel robot = six();
+  const SphereModel robot = six_arm();
   const Space space = ManipulatorScene(world_with({}), robot).default_space(1.0);
   const PointOnBody tool{robot.tip().body, robot.tip().point};
   ManipulatorKinematics kinematics(robot, space, tool);
@@ -95,7 +83,7 @@ TEST_CASE("inverse kinematics brings a point, and a frame, where some configurat
 }
 
 TEST_CASE("what a link carries collides, except with what it may touch", "[robot][collision]") {
-  const SphereModel robot = six();
+  const SphereModel robot = six_arm();
   const std::size_t hand = *robot.robot().tree().find_link("hand");
   const Solid stick{Cylinder{0.02, 0.4}, {{0.3, 0, 0}, rotation_of({0, 1.5707963267948966, 0})}};
   const SphereModel with = robot.attached("stick", stick, hand, {});
@@ -143,7 +131,7 @@ TEST_CASE("pairs that touch nearly everywhere may touch where no file says which
 }
 
 TEST_CASE("a base that moves in the plane comes before the joints", "[robot]") {
-  const SphereModel robot = six("arm", true);
+  const SphereModel robot = six_arm("arm", true);
   CHECK(robot.robot().dimension() == 9);
   const Configuration q = {0.3, -0.2, 1.5707963267948966, 0, 0.1, 0.5, 0, 0.3, 0};
   const Configuration still = {0, 0, 0, 0, 0.1, 0.5, 0, 0.3, 0};
@@ -156,7 +144,7 @@ TEST_CASE("a base that moves in the plane comes before the joints", "[robot]") {
 }
 
 TEST_CASE("f of a manipulator is a point's position, and lifted positions have it", "[robot][guide]") {
-  const Problem problem = problem_of(world_with({ball({1, 1, 1}, 0.2)}), six());
+  const Problem problem = problem_of(world_with({ball({1, 1, 1}, 0.2)}), six_arm());
   const auto instance = make_instance(problem);
   for (const std::vector<std::string>& link : {std::vector<std::string>{}, std::vector<std::string>{"tool"}}) {
     const PositionProjection projection("workspace", *instance, link);
@@ -185,7 +173,7 @@ TEST_CASE("f of a manipulator is a point's position, and lifted positions have i
 }
 
 TEST_CASE("each guide that works in space guides a manipulator", "[robot][guide]") {
-  const Problem problem = problem_of(world_with({ball({0.5, 0.6, 0.7}, 0.15), ball({0.3, -0.7, 0.4}, 0.2)}), six());
+  const Problem problem = problem_of(world_with({ball({0.5, 0.6, 0.7}, 0.15), ball({0.3, -0.7, 0.4}, 0.2)}), six_arm());
   const PlannerSpec planner = PlannerSpec::make("rrt_connect", {{"proposals", 200000.0}});
   for (const char* name :
        {"workspace",        "skeleton",  "decomposition", "shrink",      "lazy",           "identity",
