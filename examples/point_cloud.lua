@@ -4,7 +4,8 @@
 --
 --   trellis run examples/point_cloud.lua
 
-local points = {}
+-- Half the diagonal of the pattern is 0.071 m: balls of 0.08 m leave no gap.
+local points = { radius = 0.08, name = "scan" }
 for y = 0.05, 4, 0.1 do
   for z = 0.05, 2, 0.1 do
     local window = y > 2.6 and y < 3.4 and z > 0.8 and z < 1.6
@@ -12,12 +13,9 @@ for y = 0.05, 4, 0.1 do
   end
 end
 
--- Half the diagonal of the pattern is 0.071 m: balls of 0.08 m leave no gap.
-local scan = point_cloud { radius = 0.08, name = "scan", table.unpack(points) }
-
 local flat = problem {
   name  = "window",
-  world = world { bounds = { 0, 0, 0, 4, 4, 2 }, scan },
+  world = world { bounds = { 0, 0, 0, 4, 4, 2 }, point_cloud(points) },
   robot = robot.rigid { box { -0.3, -0.15, -0.1, 0.3, 0.15, 0.1 } },
   start = pose { 0.6, 0.6, 0.5 },
   goal  = pose { 3.4, 0.6, 0.5 },

@@ -348,6 +348,18 @@ TEST_CASE("what rejects most proposals is found", "[report]") {
   CHECK(rejections(level, 0.05).rejected == 0);
 }
 
+TEST_CASE("the ends of an interval do not cross where only some runs have samples", "[report]") {
+  Figure figure;
+  figure.scored = 1;
+  figure.estimators = {"exact"};
+  figure.perfect.value = 0.05;
+  figure.uniform.value = 1.9;  // of all runs; of the one with samples it is 2
+  figure.value_lo.value = figure.value_hi.value = 4.95;
+  const AboveUniform above = above_uniform(figure);
+  CHECK(above.lo <= above.hi);
+  CHECK(above.hi == Approx(std::log(uniform_mix)));
+}
+
 TEST_CASE("nats are what the samples support, and exact for proposals of a recorded density", "[report]") {
   auto [experiment, result] = fixture::passage();
   for (RunResult& run : result.runs) {

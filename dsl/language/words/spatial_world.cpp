@@ -144,7 +144,9 @@ const Construct& cloud_construct() {
       .summary =
           "an obstacle of points that a sensor measured, each with a ball about it, from a file (PCD, PLY, or text: "
           ".xyz, .pts, .txt, .csv) or a list",
-      .list = "the file, looked for as by mesh; or the points, as {0.5, 0, 0.2}, {0.5, 0.1, 0.2}",
+      .list =
+          "the file, looked for as by mesh; or the points, as {0.5, 0, 0.2}, {0.5, 0.1, 0.2}: a list in a variable "
+          "gets the fields, as points.radius = 0.01, and is passed itself, as point_cloud(points)",
       .element = "string|number[]",
       .fields = {{"radius", "number", "a number greater than 0",
                   "of the ball about each point, in metres; half the points' distance from each other closes the gaps "

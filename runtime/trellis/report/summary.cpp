@@ -418,8 +418,10 @@ AboveUniform above_uniform(const Figure& figure) {
   // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
   const double least = figure.perfect.value;
   const double most = uniform - std::log(uniform_mix);
-  const double lo = std::max(end(figure.value_lo.lo, figure.value_lo.value), least);
-  const double hi = std::min(end(figure.value_hi.hi, figure.value_hi.value), most);
+  // `uniform` is the mean over all runs, the ends those over the runs with samples: both are bounded.
+  const auto bounded = [&](double bound) { return std::min(std::max(bound, least), most); };
+  const double lo = bounded(end(figure.value_lo.lo, figure.value_lo.value));
+  const double hi = bounded(end(figure.value_hi.hi, figure.value_hi.value));
   return between(lo, hi, least, uniform, exact);
 }
 
