@@ -156,8 +156,46 @@ Configuration state_named(const std::string& name, const std::string& what, cons
                                         : fmt::format("there are: {}", fmt::join(known, ", "))));
 }
 
+/// Whether a value lists one configuration for each robot of a team.
+bool is_of_members(Value value, const std::vector<TeamMember>& members) {
+  std::size_t tables = 0, elements = 0;
+  bool fits = true;
+  if (value.type() != lua::Type::table) return false;
+  value.each([&](std::size_t i, Value element) {
+    ++elements;
+    if (element.type() != lua::Type::table) return;
+    ++tables;
+    std::size_t length = 0;
+    bool flat = true;
+    element.each([&](std::size_t, Value number) {
+      ++length;
+      flat = flat && number.type() != lua::Type::table;
+    });
+    fits = fits && flat && i <= members.size() && length <= members[i - 1].axes + 1;
+  });
+  return fits && tables > 0 && tables == elements && members.size() > 1 && tables + 1 >= members.size();
+}
+
 Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
   const Space& space = problem.space;
+  if (const std::vector<TeamMember> members = problem.scene->members(); is_of_members(value, members)) {
+    Configuration q;
+    std::size_t count = 0;
+    value.each([&](std::size_t i, Value element) {
+      ++count;
+      const Configuration own = read_numbers(element, fmt::format("problem: robot {} of {}", i, what));
+      if (own.size() != members[i - 1].axes) {
+        throw Error(
+            fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, members[i - 1].axes, own.size()));
+      }
+      q.insert(q.end(), own.begin(), own.end());
+    });
+    if (count != members.size()) {
+      throw Error(fmt::format("problem: {} must have a configuration for each of {} robots, got {}", what,
+                              members.size(), count));
+    }
+    return q;
+  }
   if (const auto name = value.string(); name && problem.scene->manipulator() != nullptr) {
     return state_named(*name, what, problem.scene->manipulator()->robot);
   }
@@ -218,7 +256,7 @@ void read_goals(Value value, Problem& problem) {
     return;
   }
   bool several = false;
-  if (value.type() == lua::Type::table) {
+  if (value.type() == lua::Type::table && !is_of_members(value, problem.scene->members())) {
     value.each([&](std::size_t i, Value element) {
       const bool whole = element.type() == lua::Type::table || element.get<Pose3>() != nullptr || element.string();
       several = several || (i == 1 && whole);

@@ -18,6 +18,7 @@
 #include <trellis/scene/planar/shapes.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
 #include <trellis/scene/recentred.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/visit.hpp>
 
@@ -204,6 +205,33 @@ const Construct& arm_construct() {
             "the least and the greatest angle of each joint, in radians, up to 20 turns from 0; such an angle does "
             "not wrap, so that two a turn apart differ; false, or beyond the list's end: it wraps"}},
       .options = arm_settings().component(),
+      .returns = "trellis.Robot"};
+  return construct;
+}
+
+struct TeamSettings {
+  std::int64_t count = 1;
+};
+
+const Settings<TeamSettings>& team_settings() {
+  static const auto settings =
+      Settings<TeamSettings>(Component::Kind::scene, "robots", "a team", "")
+          .integer("count", &TeamSettings::count, "robots", {.lo = 1, .hi = Robot::most_members},
+                   "how many there are of each robot listed");
+  return settings;
+}
+
+const Construct& team_construct() {
+  static const Construct construct = {
+      .name = "robots",
+      .usage = "robots { robot.disc(0.3), robot.rectangle(1, 0.2) }",
+      .summary =
+          "a team: robots in one world that must not touch each other. A configuration holds theirs one after the "
+          "other, and may be written as a list with one configuration for each robot",
+      .list = "its robots, in order; a team among them joins with all of its robots",
+      .element = "trellis.Robot|trellis.Manipulator",
+      .fields = {},
+      .options = team_settings().component(),
       .returns = "trellis.Robot"};
   return construct;
 }
@@ -423,6 +451,39 @@ int make_rigid(Stack& call) {
   return call.result(Robot::rigid(shapes, rotates(arguments)));
 }
 
+int make_team(Stack& call) {
+  const Arguments arguments(team_construct(), call);
+  const auto count = static_cast<std::size_t>(team_settings().read(arguments.options()).count);
+  std::vector<Robot> robots;
+  std::vector<SphereModel> manipulators;
+  arguments.each([&](std::size_t i, Value value) {
+    const std::size_t before = robots.size() + manipulators.size();
+    if (before + count > 2 * Robot::most_members) {
+      throw Error(fmt::format("robots: at most {} robots in a team", Robot::most_members));
+    }
+    if (const auto* robot = value.get<Robot>()) {
+      robots.insert(robots.end(), count, *robot);
+    } else if (const auto* manipulator = value.get<SphereModel>()) {
+      manipulators.insert(manipulators.end(), count, *manipulator);
+    } else if (value.get<Robot3>() != nullptr) {
+      throw Error(fmt::format(
+          "robots: element {} is a body that moves freely in space; a team has robots of the plane, or robots of URDF "
+          "files, in which a body may hang on a floating joint",
+          i));
+    } else {
+      throw Error(fmt::format("robots: element {} must be a robot, as robot.disc(0.3), got {}", i, describe(value)));
+    }
+    if (!robots.empty() && !manipulators.empty()) {
+      throw Error(
+          fmt::format("robots: element {} is {}, and those before it are {}; a team is of the plane or of space", i,
+                      manipulators.size() > count ? "of the plane" : "of space",
+                      manipulators.size() > count ? "of space" : "of the plane"));
+    }
+  });
+  if (!manipulators.empty()) return call.result(SphereModel::team(manipulators));
+  return call.result(Robot::team(robots));
+}
+
 /// The members of a world that a script may read.
 const std::vector<Field>& world_members() {
   static const std::vector<Field> members = {
@@ -435,7 +496,7 @@ const std::vector<Field>& world_members() {
 const std::vector<Field>& robot_members() {
   static const std::vector<Field> members = {
       {"scaled", "fun(self: trellis.Robot, factor: number): trellis.Robot", "",
-       "the same robot, scaled about its reference point"},
+       "the same robot, scaled about its reference point; of a team each robot about its own"},
       {"recentred", "fun(self: trellis.Robot): trellis.Robot, fun(q: number[]): number[]", "",
        "the same rigid body about the centre of the largest disc or ball inside of it, and a function that converts "
        "configurations: start = moved {1, 1, 0}"},
@@ -699,7 +760,7 @@ void push_obstacle(Stack& stack, const Scene& scene, std::size_t obstacle) {
 std::vector<const Construct*> world_constructs() {
   return {&box_construct(),   &disc_construct,       &polygon_construct,     &world_construct(),
           &point_construct(), &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
-          &rigid_construct(), &arm_construct()};
+          &rigid_construct(), &arm_construct(),      &team_construct()};
 }
 
 std::vector<ObjectType> world_types() {
@@ -720,7 +781,8 @@ void open_world(Stack& stack) {
        std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&box_construct(), make_box},
                                                                  {&disc_construct, make_disc},
                                                                  {&polygon_construct, make_polygon},
-                                                                 {&world_construct(), make_world}}) {
+                                                                 {&world_construct(), make_world},
+                                                                 {&team_construct(), make_team}}) {
     stack.push_function(make);
     stack.set_global(construct->name);
   }

@@ -24,6 +24,7 @@ struct GuideClaims {
     position,       ///< a reference point of the robot that moves in the plane, or the tip of an arm
     position_axes,  ///< a reference point whose position is two axes of the space
     robot_axes,     ///< axes that are axes of the robot
+    team,           ///< a team of robots
   };
 
   Category category = Category::sampling;

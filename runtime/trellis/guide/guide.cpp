@@ -27,7 +27,8 @@ const std::vector<GuideKind>& guide_kinds() {
                                                pca_kind(),           widen_kind(),          lazy_kind(),
                                                drop_kind(),          aggregate_kind(),      holonomic_kind(),
                                                blossom_kind(),       decomposition_kind(),  experience_kind(),
-                                               path_database_kind(), learned_kind()};
+                                               path_database_kind(), learned_kind(),        team_kind(),
+                                               decouple_kind(),      prioritise_kind(),     couple_kind()};
   return kinds;
 }
 
@@ -51,6 +52,7 @@ std::string_view to_string(GuideClaims::Needs needs) {
              "base";
     case GuideClaims::Needs::position_axes: return "a robot whose reference point moves in the plane";
     case GuideClaims::Needs::robot_axes: return "a space whose axes are the robot's";
+    case GuideClaims::Needs::team: return "a team of robots";
   }
   throw Fault("unknown need of guides");
 }

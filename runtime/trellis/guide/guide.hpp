@@ -202,6 +202,9 @@ struct GuideKind {
     std::vector<Options::Entry> options;
   };
   Planned guided_planner = {};
+  /// Whether the search of S divides the instance by the robots of a team (guide/team.hpp): its planner and its guides
+  /// are then those of each robot's search.
+  bool divides_team = false;
 };
 
 /// Returns all guides, in the order of the reference. Thread-safe.

@@ -15,6 +15,7 @@
 #include <trellis/guide/joint_ranges.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/team.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 
 namespace trellis {
@@ -84,17 +85,43 @@ std::vector<std::size_t> kept_axes(const Space& space, const JointsSettings& set
   return {kept.begin(), kept.end()};
 }
 
+struct TeamSettings : PathGuideSettings {
+  std::vector<std::string> robots = {"1"};
+};
+
+const Settings<TeamSettings>& team_settings() {
+  static const Settings<TeamSettings> settings = with_resolves(with_progress(
+      with_radius(Settings<TeamSettings>(Component::Kind::guide, "team",
+                                         "some robots of a team, as if the others were not there; the others are drawn "
+                                         "uniformly",
+                                         "Orthey, Escande and Yoshida 2018, Quotient-space motion planning")
+                      .names("robots", &TeamSettings::robots, "the numbers of the robots that S keeps, from 1 on")
+                      .positional({"robots"}))));
+  return settings;
+}
+
+/// Some of the axes of C: of a robot, or those of some robots of a team.
 class Joints final : public Guide {
  public:
   explicit Joints(JointsSettings settings) : settings_(std::move(settings)) {}
+  explicit Joints(const TeamSettings& settings) : name_("team"), robots_(settings.robots) {
+    static_cast<PathGuideSettings&>(settings_) = settings;
+  }
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
     if (parent.validity_of || parent.scene->robot_dimension() > parent.space.dimension()) {
-      throw Error(fmt::format(
-          "joints: needs a space whose axes are the robot's; those of {} are not, so keep some of the joints below it",
-          parent.space.name()));
+      throw Error(
+          fmt::format("{0}: needs a space whose axes are the robot's; those of {1} are not, so use {0} below it", name_,
+                      parent.space.name()));
     }
-    const auto axes = kept_axes(parent.space, settings_);
+    if (!robots_.empty() && parent.scene->members().size() < 2) {
+      throw Error(
+          fmt::format("team: needs a team, as robots {{ robot.disc(0.3), robot.disc(0.3) }}, and robot '{}' is one",
+                      parent.scene->robot_name()));
+    }
+    const auto axes = robots_.empty()
+                          ? kept_axes(parent.space, settings_)
+                          : axes_of(parent.scene->members(), members_named(name_, robots_, parent.scene->members()));
     std::vector<std::string> names;
     names.reserve(axes.size());
     const std::vector<Axis> coordinates = parent.space.coordinates();
@@ -141,6 +168,10 @@ class Joints final : public Guide {
       if (place != axes.end()) instance->position_axes.push_back(static_cast<std::size_t>(place - axes.begin()));
     }
     if (instance->position_axes.size() != parent.position_axes.size()) instance->position_axes.clear();
+    if (scene->translates() && !parent.scene->translates()) {
+      instance->position_axes.resize(scene->world_dimension());
+      std::iota(instance->position_axes.begin(), instance->position_axes.end(), std::size_t{0});
+    }
     reached_.emplace(projection_->space(), instance->start);
     added_.resize(axes.size());
     return instance;
@@ -161,12 +192,12 @@ class Joints final : public Guide {
   void restart() override { reached_->clear(); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
-    if (found->path.size() < 2) return std::make_unique<UniformHeuristic>("joints (found nothing)", parent.space);
+    if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);
     if (ranged_lift_) ranged_lift_->count_in(parent.checks);
     const double step = parent.step > 0.0 ? parent.step : characteristic_length(*sub);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
-    auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
-                                                 window, settings_.evidence, &*reached_);
+    auto below = std::make_unique<PathHeuristic>(name_, sub->space, found->path, tube_radius(settings_, *sub), window,
+                                                 settings_.evidence, &*reached_);
     const Configuration& goal = goal_choice_.choose(
         parent, [this](View q, MutableView s) { project(q, s); }, sub->space, found->path);
     return std::make_unique<LiftedHeuristic>(lifting_, sub->space, std::move(below), parent.start, goal,
@@ -175,6 +206,8 @@ class Joints final : public Guide {
 
  private:
   JointsSettings settings_;
+  std::string name_ = "joints";
+  std::vector<std::string> robots_;  ///< of a team; empty: axes are kept
   std::shared_ptr<const AxisProjection> projection_;
   std::shared_ptr<const Projection> lifting_;      ///< lift of the samples of h
   std::shared_ptr<JointRanges> ranges_;            ///< set if the option requests them
@@ -186,6 +219,21 @@ class Joints final : public Guide {
 };
 
 }  // namespace
+
+GuideKind team_kind() {
+  GuideClaims claims =
+      path_claims(GuideClaims::Category::robot, "q -> the coordinates of the robots kept",
+                  "S has no path; a start or goal that is valid in C stays valid, because S checks fewer robots",
+                  "examples/many_robots.lua");
+  claims.h =
+      "a point of the path found in S, from the stretch just beyond what the tree has reached, then uniform on a ball "
+      "about it in S; the other robots are uniform";
+  claims.needs = GuideClaims::Needs::team;
+  claims.density = "of the tube in S times that of the other robots";
+  return {&team_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Joints>(team_settings().read(o)); },
+          "rrt_connect", [](const Options& o) { return team_settings().read(o).resolves; }, std::move(claims)};
+}
 
 GuideKind joints_kind() {
   GuideClaims claims = path_claims(

@@ -32,5 +32,9 @@ GuideKind decomposition_kind();
 GuideKind experience_kind();
 GuideKind learned_kind();
 GuideKind path_database_kind();
+GuideKind team_kind();
+GuideKind decouple_kind();
+GuideKind prioritise_kind();
+GuideKind couple_kind();
 
 }  // namespace trellis

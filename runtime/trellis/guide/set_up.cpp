@@ -38,7 +38,7 @@ struct Entry {
 /// the plane and 0.3 us in space. Those of the mazes and of clutter are within a factor of 3 of these. The entries of
 /// workspace and decomposition include the beginning of their first search, which prepares the whole graph; that of
 /// learned, which needs a model, is the CPU time of its h, from a grid of 67 x 67 cells.
-constexpr std::array<Entry, 26> entries = {{
+constexpr std::array<Entry, 30> entries = {{
     {"uniform", {{}, {10}}, {{}, {10}}},
     {"goal_bias", {{}, {10}}, {{}, {10}}},
     {"gaussian", {{}, {10}}, {{}, {10}}},
@@ -65,6 +65,10 @@ constexpr std::array<Entry, 26> entries = {{
     {"path_database", {{}, {100}}, {{}, {100}}},
     {"experience", {{}, {100}}, {{}, {100}}},
     {"learned", {{}, {450000}}, {{}, {450000}}},
+    {"team", {{}, {110, 0.5}}, {{}, {60}}},
+    {"decouple", {{}, {30}}, {{}, {30}}},
+    {"prioritise", {{}, {30}}, {{}, {30}}},
+    {"couple", {{}, {30}}, {{}, {30}}},
 }};
 
 /// Work per stored path that a guide retrieves, in the same units; 0 for other guides.

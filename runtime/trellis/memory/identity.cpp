@@ -51,6 +51,7 @@ std::uint64_t hash_of(const Robot& robot) {
     put_integer(bytes, static_cast<std::uint64_t>(std::int64_t{body.parent} + 1));
     put_integer(bytes, static_cast<std::uint64_t>(std::int64_t{body.angle_axis} + 1));
     bytes += body.absolute ? '\1' : '\0';
+    if (body.position_axis >= 0) put_integer(bytes, static_cast<std::uint64_t>(body.position_axis) + 1);
     put(bytes, body.joint);
     put_integer(bytes, body.parts.size());
     for (const auto& part : body.parts) put(bytes, part);

@@ -44,7 +44,11 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
         located([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
     level_->charge(seconds);
     attach();
-    if (spec.below() != nullptr) level_->guide_by(*spec.below());
+    if (!spec.custom() && find_guide(spec.name())->divides_team) {
+      level_->divide(division_of(spec.name(), spec.options(), level_->instance().scene->members()), spec.below());
+    } else if (spec.below() != nullptr) {
+      level_->guide_by(*spec.below());
+    }
   }
 
   ~ComponentGuidance() override { replace(nullptr); }  // h may refer to its guide and to the level below

@@ -14,6 +14,7 @@
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
+#include <trellis/strategy/team_search.hpp>
 
 namespace trellis {
 
@@ -95,7 +96,7 @@ RunCost Level::cost() const {
 
 double Level::work() const {
   const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
-  return own_work() + below - guidance_.deducted();
+  return own_work() + below + parts_work_ - guidance_.deducted();
 }
 
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
@@ -133,6 +134,10 @@ std::unique_ptr<Planner> Level::make_planner() {
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
   PlannerContext context{*instance_, *h, Stream(run_.seed, record_.key, stream_), record_.search, guidance_.guided()};
+  if (division_) {
+    const GuideSpec* guide = guide_spec_ ? &*guide_spec_ : nullptr;
+    return make_team_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
+  }
   if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(context));
   return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(context));
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <trellis/guide/custom.hpp>
+#include <trellis/guide/team.hpp>
 #include <trellis/planner/composed.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -395,6 +396,14 @@ class Level {
     guide_spec_ = spec;
     guidance_.set_guide(make_guidance(run_, *this, spec));
   }
+  /// Divides its instance by the robots of a team.
+  /// \param guide  of the search of each robot; nullptr: none
+  void divide(TeamDivision division, const GuideSpec* guide) {
+    division_ = std::move(division);
+    if (guide != nullptr) guide_spec_ = *guide;
+  }
+  /// Called with the work of the searches that its instance is divided into.
+  void count_parts(double work) { parts_work_ = work; }
   /// Lowers the budget of its planner.
   void limit(const Budget& budget) {
     common_.budget.proposals = std::min(common_.budget.proposals, budget.proposals);
@@ -496,6 +505,8 @@ class Level {
   const PlannerKind& kind_;
   PlannerSpec planner_spec_;
   std::optional<GuideSpec> guide_spec_;
+  std::optional<TeamDivision> division_;
+  double parts_work_ = 0.0;
   PlannerCommon common_;
   LevelGuidance guidance_;
   std::optional<WatchedGuidance> watched_;

@@ -190,7 +190,8 @@ class FclChecker final : public Checker {
     frames_.resize(robot_.bodies().size());
     q_.resize(space_.dimension());
     // On a periodic axis a position wraps, so no box around the ends contains the whole motion.
-    sweepable_ = !robot_.translates() || (!space_.axes()[0].periodic && !space_.axes()[1].periodic);
+    sweepable_ = robot_.members().empty() &&
+                 (!robot_.translates() || (!space_.axes()[0].periodic && !space_.axes()[1].periodic));
     request_.num_max_contacts = 1;
     request_.enable_contact = false;
     // With the default of 1e-6, FCL misses contacts of shapes narrower than about 1e-6 m.

@@ -3,6 +3,7 @@
 #include <trellis/scene/planar/scene.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -163,9 +164,13 @@ class PlanarChecker final : public Checker {
     point_ = robot_.is_point();
     // On a periodic axis a position wraps, so no box around the ends contains the whole motion.
     const bool jumps = robot_.translates() && (space_.axes()[0].periodic || space_.axes()[1].periodic);
-    rigid_ = bodies.size() == 1 && !jumps;
-    sweepable_ = !jumps;
-    continuous_ = sweepable_;
+    const bool team = !robot_.members().empty();
+    rigid_ = bodies.size() == 1 && !jumps && !team;
+    sweepable_ = !jumps && !team;
+    continuous_ = !jumps && std::none_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+      const auto axis = static_cast<std::size_t>(body.position_axis);
+      return body.position_axis >= 0 && (space_.axes()[axis].periodic || space_.axes()[axis + 1].periodic);
+    });
     for (const Body& body : bodies) {
       if (body.angle_axis < 0) continue;
       const Axis& axis = space_.axes()[static_cast<std::size_t>(body.angle_axis)];
@@ -296,13 +301,13 @@ class PlanarChecker final : public Checker {
         const double depth = depth_in_world(moved_);
         if (depth <= 0.0) continue;
         set_rates(i, -1, moved_);
-        best = std::max(best, radius_of(depth, robot_.translates()));
+        best = std::max(best, radius_of(depth, {root_axis(i), -1}));
       }
     }
     // The inscribed disc about the reference point does not move when the robot turns.
     if (robot_.translates() && robot_.inscribed_radius() > 0.0) {
       rates_.assign(space_.dimension(), 0.0);
-      best = std::max(best, radius_of(depth_in_world(Disc{{q[0], q[1]}, robot_.inscribed_radius()}), true));
+      best = std::max(best, radius_of(depth_in_world(Disc{{q[0], q[1]}, robot_.inscribed_radius()}), {0, -1}));
     }
     for (const auto& [first, second] : robot_.pairs()) {
       for (const auto& part : robot_.bodies()[first].parts) {
@@ -314,7 +319,7 @@ class PlanarChecker final : public Checker {
           const int ancestor = common_ancestor(first, second);
           set_rates(first, ancestor, moved_);
           add_rates(second, ancestor, other_);
-          best = std::max(best, radius_of(depth, false));
+          best = std::max(best, radius_of(depth, roots_apart(first, second)));
         }
       }
     }
@@ -729,13 +734,30 @@ class PlanarChecker final : public Checker {
     return depth;
   }
 
-  /// Returns the radius of the metric's ball in which no point of the robot moves by `depth`. Points move by at most
-  /// `rates_` times each axis's change, and with the reference point where `translates`. Follows from Cauchy-Schwarz.
-  [[nodiscard]] double radius_of(double depth, bool translates) const {
+  /// The first of the two axes that move the reference point of a body; -1: it is fixed to its base.
+  [[nodiscard]] int root_axis(std::size_t body) const {
+    if (robot_.translates()) return 0;
+    const auto& bodies = robot_.bodies();
+    while (bodies[body].parent >= 0) body = static_cast<std::size_t>(bodies[body].parent);
+    return bodies[body].position_axis;
+  }
+  /// Those of two bodies; none where the same ones move both.
+  [[nodiscard]] std::array<int, 2> roots_apart(std::size_t first, std::size_t second) const {
+    const std::array<int, 2> roots{root_axis(first), root_axis(second)};
+    return roots[0] == roots[1] ? std::array{-1, -1} : roots;
+  }
+
+  /// Returns the radius of the metric's ball in which no point of the robot moves by `depth`, of two bodies none seen
+  /// from the other. Points move by at most `rates_` times each axis's change, and with their reference points.
+  /// Follows from Cauchy-Schwarz.
+  /// \param positions  the first of the two axes that move each reference point; -1: none does
+  [[nodiscard]] double radius_of(double depth, const std::array<int, 2>& positions) const {
     const auto& axes = space_.axes();
     double squares = 0.0;
-    if (translates) {
-      const double weight = std::min(axes[0].weight, axes[1].weight);
+    for (const int position : positions) {
+      if (position < 0) continue;
+      const auto axis = static_cast<std::size_t>(position);
+      const double weight = std::min(axes[axis].weight, axes[axis + 1].weight);
       squares += 1.0 / (weight * weight);
     }
     for (std::size_t j = 0; j < axes.size(); ++j) squares += rates_[j] * rates_[j] / (axes[j].weight * axes[j].weight);

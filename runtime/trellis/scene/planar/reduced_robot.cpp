@@ -93,6 +93,22 @@ class Reduction {
 }  // namespace
 
 std::optional<Robot> reduced_robot(const Robot& robot, const std::vector<std::size_t>& axes) {
+  if (!robot.members().empty()) {
+    std::vector<Robot::Member> left;
+    for (const Robot::Member& member : robot.members()) {
+      const auto begin = std::lower_bound(axes.begin(), axes.end(), member.axis);
+      const auto end = std::lower_bound(begin, axes.end(), member.axis + member.robot->dimension());
+      if (begin == end) continue;
+      std::vector<std::size_t> own(begin, end);
+      for (std::size_t& axis : own) axis -= member.axis;
+      auto part = Reduction(*member.robot, own).robot();
+      if (!part) continue;
+      left.push_back({std::make_shared<const Robot>(std::move(*part)), static_cast<std::size_t>(begin - axes.begin()),
+                      0, member.number});
+    }
+    if (left.empty()) return std::nullopt;
+    return Robot::team_of(std::move(left));
+  }
   return Reduction(robot, axes).robot();
 }
 

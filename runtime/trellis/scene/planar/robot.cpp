@@ -77,6 +77,12 @@ double inscribed_in_body(const Body& body, Vec2 p) {
   return radius;
 }
 
+/// The two coordinates that move a body of a team which no other carries, of a configuration or a difference.
+Vec2 position_in(View q, const Body& body) {
+  const auto axis = static_cast<std::size_t>(body.position_axis);
+  return {q[axis], q[axis + 1]};
+}
+
 Body body_of(std::vector<ConvexShape> parts) {
   Body body;
   body.parts = std::move(parts);
@@ -285,6 +291,80 @@ Robot Robot::arm(const Arm& arm) {
   return robot.limited(arm.limits);
 }
 
+Robot Robot::team(const std::vector<Robot>& robots) {
+  std::vector<Member> members;
+  std::size_t axis = 0;
+  for (const Robot& robot : robots) {
+    const auto join = [&](const Robot& one) {
+      if (one.is_point()) {
+        throw Error(
+            fmt::format("robots: robot {} is a point, which nothing can touch; use a small disc", members.size() + 1));
+      }
+      members.push_back({std::make_shared<const Robot>(one), axis, 0, members.size() + 1});
+      axis += one.dimension();
+    };
+    if (robot.members().empty()) join(robot);
+    for (const Member& member : robot.members()) join(*member.robot);
+  }
+  if (members.size() < 2) throw Error("robots: a team has at least two robots");
+  if (members.size() > most_members) {
+    throw Error(fmt::format("robots: at most {} robots in a team, got {}", most_members, members.size()));
+  }
+  return team_of(std::move(members));
+}
+
+Robot Robot::team_of(std::vector<Member> members) {
+  if (members.size() == 1 && members.front().axis == 0) return *members.front().robot;
+  Robot team;
+  std::vector<std::string> names;
+  for (Member& member : members) {
+    const Robot& robot = *member.robot;
+    member.body = team.bodies_.size();
+    for (std::size_t i = 0; i < robot.bodies_.size(); ++i) {
+      Body body = robot.bodies_[i];
+      if (body.parent >= 0) {
+        body.parent += static_cast<int>(member.body);
+      } else if (robot.translates_) {
+        body.position_axis = static_cast<int>(member.axis);
+      } else {
+        body.joint = body.joint + robot.base_;
+      }
+      if (body.angle_axis >= 0) body.angle_axis += static_cast<int>(member.axis);
+      team.bodies_.push_back(std::move(body));
+      team.body_radius_.push_back(robot.body_radius_[i]);
+    }
+    for (const auto& [first, second] : robot.pairs_) {
+      team.pairs_.emplace_back(member.body + first, member.body + second);
+    }
+    for (std::size_t i = 0; i < member.body; ++i) {
+      for (std::size_t k = member.body; k < team.bodies_.size(); ++k) {
+        if (!team.bodies_[i].parts.empty() && !team.bodies_[k].parts.empty()) team.pairs_.emplace_back(i, k);
+      }
+    }
+    team.dimension_ = std::max(team.dimension_, member.axis + robot.dimension_);
+    team.bounding_radius_ = std::max(team.bounding_radius_, robot.bounding_radius_);
+    if (std::find(names.begin(), names.end(), robot.name_) == names.end()) names.push_back(robot.name_);
+  }
+  std::sort(team.pairs_.begin(), team.pairs_.end());
+  team.name_ = fmt::format("{} robots ({})", members.size(), fmt::join(names, ", "));
+  team.translates_ = false;
+  team.members_ = std::move(members);
+  return team;
+}
+
+std::size_t Robot::member_of(std::size_t body) const {
+  std::size_t member = members_.size();
+  while (members_.at(member - 1).body > body) --member;
+  return member - 1;
+}
+
+Robot Robot::shrunken(double factor) const {
+  if (members_.empty()) return translates_ ? scaled(factor) : thinned(factor);
+  std::vector<Member> smaller = members_;
+  for (Member& member : smaller) member.robot = std::make_shared<const Robot>(member.robot->shrunken(factor));
+  return team_of(std::move(smaller));
+}
+
 Robot Robot::apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const {
   Robot result = *this;
   for (auto& [first, second] : pairs) {
@@ -321,6 +401,13 @@ Robot Robot::limited(std::vector<std::optional<std::pair<double, double>>> limit
 }
 
 std::string Robot::body_name(std::size_t body) const {
+  if (!members_.empty()) {
+    const Member& member = members_[member_of(body)];
+    const std::string robot = fmt::format("robot {}", member.number);
+    return member.robot->bodies_.size() == 1
+               ? robot
+               : fmt::format("{} of {}", member.robot->body_name(body - member.body), robot);
+  }
   const std::string& name = bodies_.at(body).name;
   return name.empty() ? fmt::format("body {}", body + 1) : name;
 }
@@ -377,8 +464,8 @@ void Robot::place(View q, std::span<Pose2> out) const {
   const Vec2 reference = translates_ ? Vec2{q[0], q[1]} : base_;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const auto& body = bodies_[i];
-    const Pose2 parent =
-        body.parent < 0 ? Pose2{reference.x, reference.y, 1.0, 0.0} : out[static_cast<std::size_t>(body.parent)];
+    const Vec2 root = body.position_axis < 0 ? reference : position_in(q, body);
+    const Pose2 parent = body.parent < 0 ? Pose2{root.x, root.y, 1.0, 0.0} : out[static_cast<std::size_t>(body.parent)];
     const Vec2 origin = parent(body.joint);
     Pose2 pose{origin.x, origin.y, parent.c, parent.s};
     if (body.angle_axis >= 0) {
@@ -415,8 +502,10 @@ double Robot::displacement_bound(const Space& space, View a, View b) const {
   double bound = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& body = bodies_[i];
-    const auto [parent_distance, parent_turn] =
-        body.parent < 0 ? std::pair(translation, 0.0) : motion[static_cast<std::size_t>(body.parent)];
+    const auto [parent_distance, parent_turn] = body.parent >= 0 ? motion[static_cast<std::size_t>(body.parent)]
+                                                : body.position_axis >= 0
+                                                    ? std::pair(norm(position_in(difference, body)), 0.0)
+                                                    : std::pair(translation, 0.0);
     double turn = parent_turn;
     if (body.angle_axis >= 0) {
       const double own = std::abs(difference[static_cast<std::size_t>(body.angle_axis)]);
@@ -438,6 +527,7 @@ double Robot::displacement_of(std::size_t body, int ancestor, View difference) c
     if (at < 0 || at == ancestor) return {};
     const Body& carried = bodies_[static_cast<std::size_t>(at)];
     auto [distance, turn] = of(of, carried.parent);
+    if (carried.position_axis >= 0) distance += norm(position_in(difference, carried));
     if (turn > 0.0) distance += norm(carried.joint) * turn;
     if (carried.angle_axis < 0) return {distance, turn};
     const double own = std::abs(difference[static_cast<std::size_t>(carried.angle_axis)]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,9 @@ struct Body {
   int angle_axis = -1;             ///< the axis that turns it; -1: it has its parent's angle
   bool absolute = false;           ///< the axis gives the angle in the world, not relative to the parent
   std::string name = {};           ///< its name in messages: "link 2"; "": "body 2"
+  /// Of a body without a parent in a team: the first of the two axes that move its reference point; -1: that of the
+  /// robot moves it.
+  int position_axis = -1;
 };
 
 /// The parameters of `Robot::arm`. The joint of link i + 1 is at the far end of link i.
@@ -35,9 +39,18 @@ struct Arm {
   bool self_collision = true;  ///< links that are not neighbours must not touch
 };
 
-/// A planar robot: a tree of rigid bodies moved by the configuration. A point, a disc and a polygon are one body.
+/// A planar robot: a tree of rigid bodies moved by the configuration. A point, a disc and a polygon are one body. A
+/// team of robots is a robot too: its bodies are theirs, and its configuration is theirs, one after the other.
 class Robot {
  public:
+  /// A robot of a team.
+  struct Member {
+    std::shared_ptr<const Robot> robot;  ///< never a team
+    std::size_t axis = 0;                ///< of the team, the first that moves it
+    std::size_t body = 0;                ///< of the team, its first body
+    std::size_t number = 0;              ///< in messages and scripts, from 1 on
+  };
+
   Robot() = default;
   /// \param translates  axes 0 and 1 move the reference point; otherwise it is fixed at `base`
   /// \throws Error on an empty robot, a parent that does not come earlier, or a malformed part.
@@ -53,6 +66,14 @@ class Robot {
   static Robot rigid(const std::vector<Shape>& shapes, bool rotates = true);
   /// Returns a planar arm of rectangular links with revolute joints; the first joint's angle refers to the world.
   static Robot arm(const Arm& arm);
+
+  /// Returns a team: robots in one world that must not touch each other. A team among them joins with its members.
+  /// \throws Error for less than two robots, more than `most_members`, or a point, which nothing can touch
+  static Robot team(const std::vector<Robot>& robots);
+  /// The members that remain of a team, with the axes that they have there and their numbers; a robot alone where one
+  /// remains that axis 0 begins.
+  static Robot team_of(std::vector<Member> members);
+  static constexpr std::size_t most_members = 64;
 
   /// Returns the robot with these self-collision pairs, the lower index first; bodies of no pair may overlap.
   /// \throws Error for indices out of range.
@@ -71,12 +92,20 @@ class Robot {
   [[nodiscard]] const std::vector<std::optional<std::pair<double, double>>>& limits() const { return limits_; }
   /// Returns "link 2", or "body 2" where it has no name.
   [[nodiscard]] std::string body_name(std::size_t body) const;
+  /// The robots of a team; none of a robot alone.
+  [[nodiscard]] const std::vector<Member>& members() const { return members_; }
+  /// Returns which member of a team a body belongs to, from 0 on. Requires a team.
+  [[nodiscard]] std::size_t member_of(std::size_t body) const;
   [[nodiscard]] bool is_point() const;
   /// Returns the number of axes that a configuration of the robot has.
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
 
   /// Returns the robot scaled by `factor` > 0 about its reference point, shapes and joints alike.
   [[nodiscard]] Robot scaled(double factor) const;
+  /// Returns the robot with less of its shape, whose reference points stay: scaled where it translates, else thinned; a
+  /// team of such robots.
+  /// \param factor  in (0, 1]
+  [[nodiscard]] Robot shrunken(double factor) const;
   /// Returns the robot with each part of each body scaled by `factor` > 0 across the body's axis, and discs about their
   /// centres. Joints do not move, so the kinematics are the same. The axis leads from the body's joint to the farthest
   /// joint that it carries, or to the middle of its own parts. For a factor of at most 1 every part lies within that of
@@ -99,7 +128,8 @@ class Robot {
   /// Returns a bound, in metres, on the displacement of the points of one body on a straight motion, seen from the
   /// frame of a body that carries it.
   /// \param difference  Space::difference of the ends
-  /// \param ancestor  the carrying body; -1: a frame that moves with the reference point and does not turn
+  /// \param ancestor  the carrying body; -1: a frame that moves with the reference point and does not turn, in a team
+  ///     the world
   [[nodiscard]] double displacement_of(std::size_t body, int ancestor, View difference) const;
 
  private:
@@ -113,6 +143,7 @@ class Robot {
   std::vector<double> body_radius_;  ///< of each body's parts about its own origin
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   std::vector<std::optional<std::pair<double, double>>> limits_;
+  std::vector<Member> members_;
 };
 
 }  // namespace trellis

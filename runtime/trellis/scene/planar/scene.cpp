@@ -48,11 +48,19 @@ std::optional<ThinnestObstacle> PlanarScene::thinnest_obstacle() const {
   return found;
 }
 
+std::vector<TeamMember> PlanarScene::members() const {
+  std::vector<TeamMember> members;
+  for (const Robot::Member& member : robot.members()) {
+    members.push_back({member.number, member.axis, member.robot->dimension(), member.robot->translates()});
+  }
+  return members;
+}
+
 Space PlanarScene::default_space(double weight) const { return trellis::default_space(robot, world, weight); }
 
 std::shared_ptr<const Scene> PlanarScene::shrunken(double scale) const {
   // An arm is thinned instead: a shorter arm would reach other places and collide where the arm does not.
-  return std::make_shared<PlanarScene>(world, robot.translates() ? robot.scaled(scale) : robot.thinned(scale));
+  return std::make_shared<PlanarScene>(world, robot.shrunken(scale));
 }
 
 std::shared_ptr<const Scene> PlanarScene::with_obstacles(const std::vector<std::size_t>& kept) const {
@@ -95,6 +103,19 @@ std::shared_ptr<const PlanarScene> planar_scene(std::shared_ptr<const Scene> sce
 }
 
 Space default_space(const Robot& robot, const World& world, double weight) {
+  if (!robot.members().empty()) {
+    std::vector<std::pair<double, Space>> factors;
+    std::vector<std::string> names;
+    for (const Robot::Member& member : robot.members()) {
+      factors.emplace_back(1.0, default_space(*member.robot, world, weight));
+      names.push_back(factors.back().second.name());
+    }
+    const bool same =
+        std::all_of(names.begin(), names.end(), [&](const std::string& name) { return name == names[0]; });
+    std::string name =
+        same ? fmt::format("({})^{}", names[0], names.size()) : fmt::format("{}", fmt::join(names, " x "));
+    return {std::move(name), Space::product(factors).axes()};
+  }
   const auto& [lo, hi] = world.bounds();
   const std::pair x{lo.x, hi.x}, y{lo.y, hi.y};
   const std::size_t angles = robot.dimension() - (robot.translates() ? 2 : 0);

@@ -40,6 +40,7 @@ class PlanarScene final : public Scene {
   [[nodiscard]] double inscribed_radius() const override { return robot.inscribed_radius(); }
   [[nodiscard]] std::size_t body_count() const override { return robot.bodies().size(); }
   [[nodiscard]] std::string body_name(std::size_t body) const override { return robot.body_name(body); }
+  [[nodiscard]] std::vector<TeamMember> members() const override;
   [[nodiscard]] Space default_space(double weight) const override;
   [[nodiscard]] std::shared_ptr<const Scene> shrunken(double scale) const override;
   [[nodiscard]] std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const override;

@@ -134,6 +134,8 @@ class Manipulator {
 
   [[nodiscard]] const KinematicTree& tree() const { return tree_; }
   [[nodiscard]] const std::vector<std::size_t>& moving() const { return moving_; }
+  /// Of the joints that do not move, for each joint; empty where they are at 0 or at the nearest limit.
+  [[nodiscard]] const std::vector<std::vector<double>>& values() const { return values_; }
   /// The base first; each body comes after its parent.
   [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
   [[nodiscard]] std::size_t dimension() const { return dimension_; }

@@ -99,6 +99,106 @@ void SphereModel::enclose() {
   }
 }
 
+SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
+  if (robots.size() < 2) throw Error("robots: a team has at least two robots");
+  std::vector<Link> links = {{"world", {}}};
+  std::vector<Joint> joints;
+  Pairs may_touch;
+  std::vector<std::string> moving;
+  std::vector<std::pair<std::string, std::vector<double>>> values;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const Manipulator& one = robots[i].robot();
+    const KinematicTree& tree = one.tree();
+    const auto named = [&](const std::string& name) { return fmt::format("{}/{}", i + 1, name); };
+    const std::size_t first_link = links.size();
+    const std::size_t first_joint = joints.size();
+    if (first_link + tree.links().size() > KinematicTree::most_links) {
+      throw Error(fmt::format("robots: at most {} links in all", KinematicTree::most_links));
+    }
+    for (const Link& link : tree.links()) links.push_back({named(link.name), link.solids});
+    const std::size_t first_moving = one.moving().front();
+    // A base that moves hangs on the world itself. A fixed one follows a joint of its robot by a factor of 0: it stays
+    // where it is, and is a body that the other robots must not touch.
+    const bool moves = tree.joints()[first_moving].kind == Joint::Kind::planar;
+    joints.push_back({.name = named("base of the team"),
+                      .kind = moves ? Joint::Kind::fixed : Joint::Kind::continuous,
+                      .parent = 0,
+                      .child = first_link + tree.base(),
+                      .origin = robots[i].base(),
+                      .axis = {0.0, 0.0, 1.0}});
+    if (!moves) joints.back().mimic = Joint::Mimic{first_joint + 1 + first_moving, 0.0, 0.0};
+    for (std::size_t j = 0; j < tree.joints().size(); ++j) {
+      Joint joint = tree.joints()[j];
+      if (joint.kind == Joint::Kind::planar && joint.parent == tree.base()) {
+        joint.parent = 0;
+        joint.origin = robots[i].base() * joint.origin;
+      } else {
+        joint.parent += first_link;
+      }
+      joint.name = named(joint.name);
+      joint.child += first_link;
+      if (joint.mimic) joint.mimic->joint += first_joint + 1;
+      if (j < one.values().size() && !one.values()[j].empty()) values.emplace_back(joint.name, one.values()[j]);
+      joints.push_back(std::move(joint));
+    }
+    for (const std::size_t j : one.moving()) moving.push_back(named(tree.joints()[j].name));
+    for (const auto& [a, b] : robots[i].may_touch_) may_touch.emplace_back(first_link + a, first_link + b);
+    if (std::find(names.begin(), names.end(), tree.name()) == names.end()) names.push_back(tree.name());
+  }
+  KinematicTree tree(fmt::format("{} robots ({})", robots.size(), fmt::join(names, ", ")), std::move(links),
+                     std::move(joints));
+  std::vector<std::size_t> numbers;
+  numbers.reserve(moving.size());
+  for (const std::string& joint : moving) numbers.push_back(*tree.find_joint(joint));
+  std::vector<std::vector<double>> placed(tree.joints().size());
+  for (auto& [joint, value] : values) placed[*tree.find_joint(joint)] = std::move(value);
+  std::sort(may_touch.begin(), may_touch.end());
+  SphereModel team(Manipulator(std::move(tree), std::move(numbers), placed), std::move(may_touch));
+  for (const State& state : robots.front().states_) {
+    State whole{state.name, {}};
+    bool all = true;
+    for (const SphereModel& robot : robots) {
+      const auto same = std::find_if(robot.states_.begin(), robot.states_.end(),
+                                     [&](const State& other) { return other.name == state.name; });
+      all = all && same != robot.states_.end();
+      if (all) whole.q.insert(whole.q.end(), same->q.begin(), same->q.end());
+    }
+    if (all) team.states_.push_back(std::move(whole));
+  }
+  return team;
+}
+
+std::vector<TeamMember> SphereModel::members() const {
+  const auto& bodies = robot_.bodies();
+  // For each coordinate the body that the base carries and that moves with it, or carries what does.
+  std::vector<std::size_t> owner(robot_.dimension(), 0);
+  for (std::size_t b = 1; b < bodies.size(); ++b) {
+    std::size_t root = b;
+    while (bodies[root].parent != 0) root = bodies[root].parent;
+    const std::size_t width = bodies[b].kind == Joint::Kind::planar ? 3 : 1;
+    for (std::size_t k = 0; k < width; ++k) {
+      std::size_t& of = owner[bodies[b].column + k];
+      if (of == 0) of = root;
+      // Bodies that follow one joint move together.
+      if (of != root) std::replace(owner.begin(), owner.end(), root, std::size_t{of});
+    }
+  }
+  std::vector<TeamMember> members;
+  for (std::size_t j = 0; j < owner.size(); ++j) {
+    const bool again = std::find(owner.begin(), owner.begin() + static_cast<std::ptrdiff_t>(j), owner[j]) !=
+                       owner.begin() + static_cast<std::ptrdiff_t>(j);
+    if (!again) {
+      members.push_back({members.size() + 1, j, 1, false});
+    } else if (owner[j - 1] == owner[j]) {
+      ++members.back().axes;
+    } else {
+      return {};  // coordinates of a member that are not adjacent
+    }
+  }
+  return members;
+}
+
 PointOnBody SphereModel::tip() const {
   PointOnBody tip;
   std::size_t longest = 0;

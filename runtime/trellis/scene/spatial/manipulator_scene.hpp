@@ -41,6 +41,14 @@ class SphereModel {
   ///     that a joint connects, and those of one body, are never checked
   explicit SphereModel(Manipulator robot, Pairs may_touch = {});
 
+  /// Returns a team: robots in one world, each at its base, whose links must not touch those of the others. Links and
+  /// joints are named as "2/panda_link1"; configurations that all robots have by one name keep it.
+  /// \throws Error for less than two robots, or with more than `KinematicTree::most_links` links in all
+  static SphereModel team(const std::vector<SphereModel>& robots);
+  /// The parts of the robot that move independently of each other, as the arms of a robot with a fixed torso: those
+  /// that the base carries, by their coordinates. One of most robots.
+  [[nodiscard]] std::vector<TeamMember> members() const;
+
   [[nodiscard]] const Manipulator& robot() const { return robot_; }
   /// For each body its balls; the first one contains the others.
   [[nodiscard]] const std::vector<std::vector<BodySphere>>& bodies() const { return bodies_; }
@@ -139,6 +147,7 @@ class ManipulatorScene final : public Scene {
   [[nodiscard]] double inscribed_radius() const override { return 0.0; }
   [[nodiscard]] std::size_t body_count() const override { return robot.bodies().size(); }
   [[nodiscard]] std::string body_name(std::size_t body) const override;
+  [[nodiscard]] std::vector<TeamMember> members() const override { return robot.members(); }
   /// A line for each joint with limits, a circle for each one without.
   [[nodiscard]] Space default_space(double weight) const override;
   [[nodiscard]] std::shared_ptr<const Scene> shrunken(double scale) const override;

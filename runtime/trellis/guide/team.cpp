@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/guide/team.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/verified_motions.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct TeamPathSettings : PathGuideSettings {
+  std::vector<std::string> order;
+  std::int64_t tries = 64;
+  std::int64_t robot_effort = 5000;
+};
+
+Settings<TeamPathSettings> with_team_options(Settings<TeamPathSettings> settings) {
+  return with_path_options(std::move(settings))
+      .integer("effort", &TeamPathSettings::robot_effort, "proposals", Range::at_least(1),
+               "budget of each search, of a robot or of when the robots move")
+      .integer("tries", &TeamPathSettings::tries, "tries", {.lo = 1, .hi = 1000},
+               "how often it begins anew where a search found nothing");
+}
+
+const Settings<TeamPathSettings>& decouple_settings() {
+  static const auto settings = with_team_options(Settings<TeamPathSettings>(
+      Component::Kind::guide, "decouple",
+      "each robot of a team finds a path alone, as if the others were not there; then all move along their paths, and "
+      "how far each one is at a time is searched, a coordinate for each robot. Robots that cannot pass each other on "
+      "these paths have no such path: `couple` joins them",
+      "Kant and Zucker 1986, path and velocity decomposition; Simeon, Leroy and Laumond 2002, coordination along fixed "
+      "paths"));
+  return settings;
+}
+
+const Settings<TeamPathSettings>& prioritise_settings() {
+  static const auto settings =
+      with_team_options(
+          Settings<TeamPathSettings>(
+              Component::Kind::guide, "prioritise",
+              "the robots of a team one after another: each one is searched together with how far those before it are "
+              "along the path found for them, so that every search has the coordinates of one robot and one more. "
+              "Where a robot finds no path, it becomes the first one",
+              "Erdmann and Lozano-Perez 1987, On multiple moving objects; van den Berg and Overmars 2005"))
+          .names("order", &TeamPathSettings::order,
+                 "the numbers of robots, the first to plan first; those that are not named follow in the order of the "
+                 "team")
+          .positional({"order"});
+  return settings;
+}
+
+const Settings<TeamPathSettings>& couple_settings() {
+  static const auto settings = with_team_options(Settings<TeamPathSettings>(
+      Component::Kind::guide, "couple",
+      "as decouple; where two robots, or groups of robots, cannot pass each other on their "
+      "paths, they become one group that plans together, until all groups pass or all are one",
+      "Standley 2010, independence detection; Wagner and Choset 2015, subdimensional expansion; "
+      "Solis et al. 2024, adaptive robot coordination"));
+  return settings;
+}
+
+/// S = C: the instance is solved by dividing it by robots, and the path of the team guides.
+class TeamPath final : public PathGuide {
+ public:
+  TeamPath(std::string name, const PathGuideSettings& settings) : PathGuide(name, settings), named_(std::move(name)) {}
+
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    if (parent.scene->members().size() < 2) {
+      throw Error(
+          fmt::format("{}: needs a team, as robots {{ robot.disc(0.3), robot.disc(0.3) }}, and robot '{}' is one",
+                      named_, parent.scene->robot_name()));
+    }
+    if (parent.motion_model) {
+      throw Error(fmt::format("{}: its robots move straight; drop the motion model below it, as holonomic() >> {}()",
+                              named_, named_));
+    }
+    if (parent.validity_of || parent.scene->robot_dimension() > parent.space.dimension()) {
+      throw Error(fmt::format("{}: needs a space whose axes are the robots'; those of {} are not", named_,
+                              parent.space.name()));
+    }
+    return same_instance(parent);
+  }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
+    // The motions of the path were checked among all robots.
+    if (found->solved() && parent.validity->spends_checks()) {
+      if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
+      parent.verified->hold_at(parent.epoch());
+      for (std::size_t i = 0; i + 1 < found->path.size(); ++i) parent.verified->add(found->path[i], found->path[i + 1]);
+    }
+    return PathGuide::heuristic(parent, sub, found);
+  }
+
+ protected:
+  [[nodiscard]] bool relaxes() const override { return false; }
+  [[nodiscard]] Follow follow() const override { return Follow::waypoints; }
+
+ private:
+  std::string named_;
+};
+
+GuideKind kind_of(const Settings<TeamPathSettings>& (*settings)(), std::string no_path,
+                  std::unique_ptr<Guide> (*make)(const Options&), std::int64_t (*resolves)(const Options&)) {
+  GuideClaims claims = path_claims(GuideClaims::Category::robot,
+                                   "q -> q, in the instance of the whole team; the search of S divides it by robots",
+                                   std::move(no_path), "examples/many_robots.lua");
+  claims.h =
+      "the points of the team's path found in S in turn, whose motions were checked among all robots and are not "
+      "checked again";
+  claims.needs = GuideClaims::Needs::team;
+  GuideKind kind{&settings().component(), make, "rrt_connect", resolves, std::move(claims)};
+  kind.divides_team = true;
+  return kind;
+}
+
+}  // namespace
+
+std::vector<std::size_t> axes_of(const std::vector<TeamMember>& members, const std::vector<std::size_t>& chosen) {
+  std::vector<std::size_t> axes;
+  for (const std::size_t i : chosen) {
+    for (std::size_t k = 0; k < members[i].axes; ++k) axes.push_back(members[i].axis + k);
+  }
+  std::sort(axes.begin(), axes.end());
+  return axes;
+}
+
+std::vector<std::size_t> members_named(const std::string& owner, const std::vector<std::string>& numbers,
+                                       const std::vector<TeamMember>& members) {
+  std::vector<std::size_t> chosen;
+  for (const std::string& number : numbers) {
+    const auto it = std::find_if(members.begin(), members.end(),
+                                 [&](const TeamMember& member) { return std::to_string(member.number) == number; });
+    if (it == members.end()) {
+      std::vector<std::size_t> known;
+      for (const TeamMember& member : members) known.push_back(member.number);
+      throw Error(fmt::format("{}: no robot {} in the team, which has {}", owner, number, fmt::join(known, ", ")));
+    }
+    const auto member = static_cast<std::size_t>(it - members.begin());
+    if (std::find(chosen.begin(), chosen.end(), member) != chosen.end()) {
+      throw Error(fmt::format("{}: robot {} is there twice", owner, number));
+    }
+    chosen.push_back(member);
+  }
+  return chosen;
+}
+
+TeamDivision division_of(const std::string& guide, const Options& options, const std::vector<TeamMember>& members) {
+  TeamDivision division;
+  const bool ordered = guide == "prioritise";
+  const TeamPathSettings settings = ordered             ? prioritise_settings().read(options)
+                                    : guide == "couple" ? couple_settings().read(options)
+                                                        : decouple_settings().read(options);
+  division.how = ordered ? Coordination::order : guide == "couple" ? Coordination::conflicts : Coordination::alone;
+  division.effort = settings.robot_effort;
+  division.tries = settings.tries;
+  division.order = members_named(guide, settings.order, members);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (std::find(division.order.begin(), division.order.end(), i) == division.order.end()) {
+      division.order.push_back(i);
+    }
+  }
+  return division;
+}
+
+GuideKind decouple_kind() {
+  return kind_of(
+      decouple_settings, "a robot finds no path alone, or the robots cannot pass each other on their paths",
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<TeamPath>("decouple", decouple_settings().read(o));
+      },
+      [](const Options& o) { return decouple_settings().read(o).resolves; });
+}
+
+GuideKind prioritise_kind() {
+  return kind_of(
+      prioritise_settings, "a robot finds no path among those before it, in any order tried",
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<TeamPath>("prioritise", prioritise_settings().read(o));
+      },
+      [](const Options& o) { return prioritise_settings().read(o).resolves; });
+}
+
+GuideKind couple_kind() {
+  return kind_of(
+      couple_settings, "a group of robots finds no path within its budget",
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<TeamPath>("couple", couple_settings().read(o));
+      },
+      [](const Options& o) { return couple_settings().read(o).resolves; });
+}
+
+}  // namespace trellis

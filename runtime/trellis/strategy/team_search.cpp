@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/team_search.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/schedule.hpp>
+#include <trellis/guide/team_space.hpp>
+#include <trellis/planner/loop.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Solves the instance of a team by instances of its robots (Coordination). Each step searches a part of them for a
+/// while.
+class TeamSearch final : public Planner {
+ public:
+  TeamSearch(Run& run, Level& level, PlannerSpec planner, const GuideSpec* guide, TeamDivision division,
+             PlannerContext context)
+      : Planner(std::move(context)),
+        run_(run),
+        level_(level),
+        planner_(std::move(planner)),
+        guide_(guide),
+        division_(std::move(division)),
+        members_(context_.instance.scene->members()),
+        tries_left_(division_.tries) {}
+
+  std::optional<Status> begin(const Budget&) override {
+    Instance& instance = context_.instance;
+    if (context_.search.nodes.empty()) {
+      if (const auto invalid = remove_invalid_goals(instance)) return invalid;
+      context_.search.nodes.push(instance.start);
+      context_.search.parents.push_back(0);
+    }
+    // A further solve begins anew, with other random numbers.
+    if (found_ || tries_left_ <= 0) {
+      found_.reset();
+      groups_.clear();
+      tries_left_ = division_.tries;
+    }
+    if (instance.to_goal(instance.start) > instance.goal_tolerance) return std::nullopt;
+    found_ = path_of_start(instance);
+    return Status::solved;
+  }
+
+  [[nodiscard]] bool draws() const override { return false; }
+
+  std::optional<Status> step() override {
+    if (current_ == nullptr) {
+      if (tries_left_ <= 0) return Status::budget_spent;
+      if (division_.how != Coordination::order && !groups_.empty() && all_found()) {
+        if (const auto pair = conflict()) {
+          if (division_.how == Coordination::conflicts) {
+            join(pair->first, pair->second);
+          } else {
+            fail();
+          }
+          return std::nullopt;
+        }
+      }
+      if (!groups_.empty() && all_found()) {
+        std::vector<std::size_t> groups(groups_.size());
+        std::iota(groups.begin(), groups.end(), std::size_t{0});
+        if (auto path = schedule_of(groups, static_cast<std::size_t>(division_.effort))) {
+          found_ = std::move(*path);
+          note_path();
+          return Status::solved;
+        }
+      }
+      begin_part();
+    }
+    constexpr double piece = 256.0;
+    // What a robot finds beside those that wait it finds soon, if at all.
+    constexpr double share_beside_waiting = 0.1;
+    const double effort = static_cast<double>(division_.effort) * (waiting_.empty() ? 1.0 : share_beside_waiting);
+    const Advance advance = current_->advance(std::ceil(effort), {Budget::unlimited, piece});
+    double work = 0.0;
+    for (const auto& level : levels_) work += level->work();
+    level_.count_parts(work);
+    if (advance == Advance::unfinished) return std::nullopt;
+    Level& ended = *std::exchange(current_, nullptr);
+    if (ended.record().solution.status == Status::interrupted) return Status::interrupted;
+    if (advance == Advance::found) {
+      take(space_->placed(shortened(ended)));
+    } else {
+      fail();
+    }
+    return found_ ? std::optional(Status::solved) : std::nullopt;
+  }
+
+  [[nodiscard]] Solution solution(Status status) override {
+    if (status == Status::solved && found_) return {status, *found_, {}};
+    return {status, path_of_start(context_.instance), {}};
+  }
+
+ private:
+  /// Robots that plan together.
+  struct Group {
+    std::vector<std::size_t> robots;  ///< members, ascending
+    std::optional<RobotsPath> path;   ///< once found; in order, of all robots up to it
+    std::set<std::size_t> blocking;   ///< in order, of those after it: robots that stand in the way of that path
+  };
+
+  /// Begins the next search.
+  void begin_part() {
+    if (groups_.empty()) {
+      for (const std::size_t i : division_.order) groups_.push_back({{i}, {}});
+      if (division_.how != Coordination::order) {
+        std::sort(groups_.begin(), groups_.end(), [](const Group& a, const Group& b) { return a.robots < b.robots; });
+      }
+    }
+    const auto next = std::find_if(groups_.begin(), groups_.end(), [](const Group& group) { return !group.path; });
+    std::vector<RobotsPath> along;
+    if (next == groups_.end()) {
+      for (const Group& group : groups_) along.push_back(*group.path);
+      begin_search(std::move(along), {}, "coordination", nullptr);
+      return;
+    }
+    // The path of a robot in order is that of all robots up to it.
+    if (division_.how == Coordination::order) {
+      blocking_ = next == groups_.begin() ? std::set<std::size_t>() : std::prev(next)->blocking;
+      const auto place = static_cast<std::size_t>(next - groups_.begin());
+      waiting_ = waits_ ? waiting_beside(place) : std::vector<std::size_t>();
+      waits_ = !waiting_.empty();
+      if (auto path = with_waiting(place, waiting_)) along.push_back(std::move(*path));
+    }
+    begin_search(std::move(along), next->robots, name_of(next->robots), guide_for(next->robots.size()));
+  }
+
+  /// The guide of a search of so many robots; nullptr: none that applies.
+  [[nodiscard]] const GuideSpec* guide_for(std::size_t robots) const {
+    return guide_ != nullptr && applies(*guide_, robots) ? guide_ : nullptr;
+  }
+  [[nodiscard]] static bool applies(const GuideSpec& guide, std::size_t robots) {
+    if (guide.kind() != GuideSpec::Kind::component) {
+      return std::all_of(guide.terms().begin(), guide.terms().end(),
+                         [&](const GuideSpec::Term& term) { return applies(term.guide, robots); });
+    }
+    if (guide.custom()) return robots == 1;
+    switch (find_guide(guide.name())->claims.needs) {
+      case GuideClaims::Needs::team: return robots > 1;
+      case GuideClaims::Needs::position:
+      case GuideClaims::Needs::position_axes: return robots == 1;
+      default: return true;
+    }
+  }
+
+  /// The path of the robots in order before one, with others that wait at their starts; none without either.
+  [[nodiscard]] std::optional<RobotsPath> with_waiting(std::size_t place,
+                                                       const std::vector<std::size_t>& waiting) const {
+    const std::vector<std::size_t> parked = axes_of(members_, waiting);
+    const RobotsPath* before = place == 0 ? nullptr : &*groups_[place - 1].path;
+    if (parked.empty()) return before == nullptr ? std::nullopt : std::optional(*before);
+    std::vector<std::size_t> axes = parked;
+    if (before != nullptr) axes.insert(axes.end(), before->axes().begin(), before->axes().end());
+    std::sort(axes.begin(), axes.end());
+    Configurations path(axes.size());
+    Configuration q(axes.size());
+    for (std::size_t i = 0; i < (before == nullptr ? 1 : before->path().size()); ++i) {
+      for (std::size_t j = 0, k = 0; j < axes.size(); ++j) {
+        const bool moves = before != nullptr && k < before->axes().size() && before->axes()[k] == axes[j];
+        q[j] = moves ? before->path()[i][k++] : context_.instance.start[axes[j]];
+      }
+      path.push(q);
+    }
+    return RobotsPath(context_.instance.space, std::move(axes), std::move(path));
+  }
+
+  /// The robots after one in order that can wait at their starts while it, and those before it, move to their goals.
+  [[nodiscard]] std::vector<std::size_t> waiting_beside(std::size_t place) {
+    std::vector<std::size_t> waiting;
+    for (std::size_t i = place + 1; i < groups_.size(); ++i) {
+      const std::size_t robot = groups_[i].robots.front();
+      if (blocking_.contains(robot)) continue;
+      // Where its start is in the goal of the one that moves, it does not wait there for good.
+      TeamSpace both(context_.instance, {}, axes_of(members_, {groups_[place].robots.front(), robot}), "both");
+      const auto pair = both.project(context_.instance);
+      Configuration q = pair->start;
+      const TeamMember& moving = members_[groups_[place].robots.front()];
+      for (std::size_t j = 0; j < both.axes().size(); ++j) {
+        const std::size_t axis = both.axes()[j];
+        if (axis >= moving.axis && axis < moving.axis + moving.axes) q[j] = context_.instance.goals[goal()][axis];
+      }
+      const bool free = pair->valid(q);
+      count(*pair);
+      if (free) {
+        waiting.push_back(robot);
+      } else {
+        blocking_.insert(robot);
+      }
+    }
+    return waiting;
+  }
+
+  /// Finds which robots after one in order stand in the way of the path found.
+  void find_blocking(std::size_t place) {
+    for (std::size_t i = place + 1; i < groups_.size(); ++i) {
+      const std::size_t robot = groups_[i].robots.front();
+      if (blocking_.contains(robot)) continue;
+      TeamSpace space(context_.instance, {*with_waiting(place + 1, {robot})}, {}, "waiting");
+      const auto along = space.project(context_.instance);
+      if (!along->motion(along->start, along->goal()).valid) blocking_.insert(robot);
+      count(*along);
+    }
+  }
+
+  /// Pays here for the checks of an instance.
+  void count(const Instance& part) {
+    Checks& checks = context_.instance.checks;
+    checks.validity += part.checks.validity;
+    checks.motion += part.checks.motion;
+    checks.alone += part.checks.alone;
+  }
+
+  /// The goal of this try: the robots of one search must go to the same one as those of another.
+  [[nodiscard]] std::size_t goal() const {
+    return static_cast<std::size_t>(division_.tries - tries_left_) % context_.instance.goals.size();
+  }
+
+  void begin_search(std::vector<RobotsPath> along, const std::vector<std::size_t>& robots, const std::string& name,
+                    const GuideSpec* guide) {
+    Instance& instance = context_.instance;
+    space_ = std::make_shared<TeamSpace>(instance, std::move(along), axes_of(members_, robots), name);
+    auto part = space_->project(instance);
+    if (part->goals.size() > 1) {
+      part->goals.assign(1, Configuration(part->space.dimension()));
+      space_->project(instance.goals[goal()], part->goals.front());
+      for (std::size_t g = 0; g < space_->along().size(); ++g) part->goals.front()[g] = space_->along()[g].length();
+    }
+    levels_.push_back(std::make_unique<Level>(run_, &level_, fmt::format("{}/{}", level_.record().key, levels_.size()),
+                                              name, std::move(part), planner_, space_));
+    current_ = levels_.back().get();
+    if (guide != nullptr) current_->guide_by(*guide);
+  }
+
+  /// "robot 3", "robots 2, 5".
+  [[nodiscard]] std::string name_of(const std::vector<std::size_t>& robots) const {
+    std::vector<std::size_t> numbers;
+    for (const std::size_t i : robots) numbers.push_back(members_[i].number);
+    return fmt::format("robot{} {}", robots.size() == 1 ? "" : "s", fmt::join(numbers, ", "));
+  }
+
+  /// The path found by a search with its detours cut: later searches follow it.
+  Configurations shortened(Level& level) {
+    constexpr std::int64_t rounds = 30;
+    Stream stream(run_.seed, level.record().key, "shortcut");
+    return shortcut(level.instance(), level.solution().path, rounds, stream);
+  }
+
+  /// Takes a path that a search found, of the axes of its space.
+  void take(Configurations path) {
+    const auto next = std::find_if(groups_.begin(), groups_.end(), [](const Group& group) { return !group.path; });
+    const bool all = space_->axes().size() == context_.instance.space.dimension();
+    if (next == groups_.end() || (all && waiting_.empty())) {
+      found_ = std::move(path);
+      note_path();
+      return;
+    }
+    if (waiting_.empty()) {
+      next->path.emplace(context_.instance.space, space_->axes(), std::move(path));
+      if (division_.how == Coordination::order) find_blocking(static_cast<std::size_t>(next - groups_.begin()));
+    } else {
+      next->path.emplace(context_.instance.space, without_waiting(space_->axes()), without_waiting(path));
+    }
+    next->blocking = blocking_;
+    waits_ = true;
+  }
+
+  /// What remains of the axes of the last search, and of its path, without the robots that wait.
+  [[nodiscard]] std::vector<std::size_t> without_waiting(const std::vector<std::size_t>& axes) const {
+    const std::vector<std::size_t> parked = axes_of(members_, waiting_);
+    std::vector<std::size_t> left;
+    std::set_difference(axes.begin(), axes.end(), parked.begin(), parked.end(), std::back_inserter(left));
+    return left;
+  }
+  [[nodiscard]] Configurations without_waiting(const Configurations& path) const {
+    const std::vector<std::size_t> left = without_waiting(space_->axes());
+    Configurations moving(left.size());
+    Configuration q(left.size());
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      for (std::size_t j = 0, k = 0; j < space_->axes().size(); ++j) {
+        if (k < left.size() && space_->axes()[j] == left[k]) q[k++] = path[i][j];
+      }
+      moving.push(q);
+    }
+    return moving;
+  }
+
+  /// Adds the path found to the nodes of this search.
+  void note_path() {
+    for (std::size_t i = 1; i < found_->size(); ++i) {
+      context_.search.parents.push_back(i == 1 ? 0 : static_cast<std::uint32_t>(context_.search.nodes.size() - 1));
+      context_.search.nodes.push(std::as_const(*found_)[i]);
+    }
+  }
+
+  [[nodiscard]] bool all_found() const {
+    return std::all_of(groups_.begin(), groups_.end(), [](const Group& group) { return group.path.has_value(); });
+  }
+
+  /// The last search found no path: changes the order or the groups, or begins anew.
+  void fail() {
+    if (!waiting_.empty()) {
+      // Again, without those that wait.
+      waits_ = false;
+      return;
+    }
+    --tries_left_;
+    waits_ = true;
+    const auto next = std::find_if(groups_.begin(), groups_.end(), [](const Group& group) { return !group.path; });
+    switch (division_.how) {
+      case Coordination::order: {
+        // What a robot cannot do alone, it cannot do among others.
+        if (next == groups_.begin()) {
+          tries_left_ = 0;
+          return;
+        }
+        // It plans earlier: the paths of the robots that are still before it remain.
+        const auto earlier = groups_.begin() + (next - groups_.begin()) / 2;
+        std::rotate(earlier, next, std::next(next));
+        for (auto group = earlier; group != groups_.end(); ++group) group->path.reset();
+        return;
+      }
+      case Coordination::alone:
+      case Coordination::conflicts:
+        // Other paths may be passed.
+        if (next != groups_.end() && next->robots.size() == 1) tries_left_ = 0;
+        groups_.clear();
+        passing_.clear();
+        return;
+    }
+  }
+
+  /// Searches when groups move along their paths; pays for it here.
+  std::optional<Configurations> schedule_of(const std::vector<std::size_t>& groups, std::size_t most) {
+    std::vector<RobotsPath> along;
+    for (const std::size_t g : groups) along.push_back(*groups_[g].path);
+    TeamSpace space(context_.instance, std::move(along), {}, "schedule");
+    const auto paths = space.project(context_.instance);
+    constexpr std::size_t cells = 16;
+    auto found = schedule(*paths, cells, most);
+    count(*paths);
+    return found ? std::optional(space.placed(*found)) : std::nullopt;
+  }
+
+  /// Returns two groups that cannot pass each other on their paths; none without such.
+  std::optional<std::pair<std::size_t, std::size_t>> conflict() {
+    for (std::size_t k = 1; k < groups_.size(); ++k) {
+      for (std::size_t i = 0; i < k; ++i) {
+        if (!passing_.insert({groups_[i].robots, groups_[k].robots}).second) continue;
+        constexpr std::size_t all = 17 * 17;
+        if (!schedule_of({i, k}, all)) return std::pair(i, k);
+      }
+    }
+    return std::nullopt;
+  }
+
+  void join(std::size_t first, std::size_t second) {
+    std::vector<std::size_t>& robots = groups_[first].robots;
+    robots.insert(robots.end(), groups_[second].robots.begin(), groups_[second].robots.end());
+    std::sort(robots.begin(), robots.end());
+    groups_[first].path.reset();
+    std::erase_if(passing_, [&](const auto& pair) {
+      const auto overlaps = [&](const auto& group) {
+        return std::any_of(group.begin(), group.end(),
+                           [&](std::size_t i) { return std::binary_search(robots.begin(), robots.end(), i); });
+      };
+      return overlaps(pair.first) || overlaps(pair.second);
+    });
+    groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(second));
+  }
+
+  Run& run_;
+  Level& level_;
+  PlannerSpec planner_;
+  const GuideSpec* guide_;
+  TeamDivision division_;
+  std::vector<TeamMember> members_;
+  std::vector<std::unique_ptr<Level>> levels_;  ///< of all searches; their records are taken after the run
+  Level* current_ = nullptr;                    ///< the search that has not ended
+  std::shared_ptr<TeamSpace> space_;            ///< of the last search
+  std::vector<Group> groups_;                   ///< of this try; empty before it begins
+  bool waits_ = true;                           ///< in order: the next search first tries beside robots that wait
+  std::vector<std::size_t> waiting_;            ///< in order: robots that wait at their starts, of the last search
+  std::set<std::size_t> blocking_;              ///< in order: robots that cannot wait at their starts any more
+  std::set<std::pair<std::vector<std::size_t>, std::vector<std::size_t>>> passing_;  ///< pairs that were examined
+  std::int64_t tries_left_;
+  std::optional<Configurations> found_;
+};
+
+}  // namespace
+
+std::unique_ptr<Planner> make_team_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
+                                          const TeamDivision& division, PlannerContext context) {
+  return std::make_unique<TeamSearch>(run, level, planner, guide, division, std::move(context));
+}
+
+}  // namespace trellis
