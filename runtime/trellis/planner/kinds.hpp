@@ -17,5 +17,6 @@ PlannerKind lazy_rrg_star_kind();
 PlannerKind graph_search_kind();
 PlannerKind best_first_kind();
 PlannerKind kinodynamic_rrt_kind();
+PlannerKind drrt_kind();
 
 }  // namespace trellis

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/planner/kinds.hpp>
+#include <trellis/planner/tree_planner.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct DrrtSettings : CommonSettings {
+  DrrtSettings() { goal_bias = 0.2; }
+  std::int64_t roadmap = 200;
+  std::int64_t neighbours = 8;
+};
+
+const Settings<DrrtSettings>& drrt_settings() {
+  static const Settings<DrrtSettings> settings = with_common(
+      Settings<DrrtSettings>(
+          Component::Kind::planner, "drrt",
+          "for teams: a tree in the product of the roadmaps of single robots, which is never made as a whole. An "
+          "extension moves each robot to the neighbour in its roadmap that lies most in the direction of the proposal; "
+          "a proposal that is the goal, on along its shortest path. The node nearest to the goal is connected to it "
+          "where the robots can move there one after another",
+          "Solovey, Salzman and Halperin 2016, Finding a needle in an exponential haystack: discrete RRT")
+          .integer("roadmap", &DrrtSettings::roadmap, "vertices", {.lo = 1, .hi = 100000},
+                   "vertices of each robot's roadmap beside its start and goal; their checks are of that robot alone")
+          .integer("neighbours", &DrrtSettings::neighbours, "vertices", {.lo = 1, .hi = 1000},
+                   "nearest vertices that a vertex of a roadmap is connected to"));
+  return settings;
+}
+
+/// A robot of the team, and its roadmap among the obstacles alone.
+struct RobotRoadmap {
+  static constexpr std::uint32_t start = 0;
+  static constexpr std::uint32_t goal = 1;
+
+  std::size_t axis = 0;
+  Space space;
+  std::shared_ptr<Validity> validity;
+  Configurations vertices;
+  std::vector<std::vector<std::uint32_t>> neighbours;
+  /// The next vertex on the shortest path to the goal; no_node without one.
+  std::vector<std::uint32_t> on;
+};
+
+class Drrt final : public StartTreePlanner {
+ public:
+  Drrt(const DrrtSettings& settings, PlannerContext context)
+      : StartTreePlanner(std::move(context)), settings_(settings) {
+    const Instance& instance = context_.instance;
+    std::vector<TeamMember> members;
+    if (instance.scene != nullptr && !instance.validity_of) members = instance.scene->members();
+    if (members.empty()) members.push_back({.axis = 0, .axes = instance.space.dimension()});
+    if (!instance.space.flat()) {
+      throw Error(fmt::format("drrt: needs a space without rotations of space, and this is {}", instance.space.name()));
+    }
+    for (const TeamMember& member : members) {
+      const auto begin = instance.space.axes().begin() + static_cast<std::ptrdiff_t>(member.axis);
+      RobotRoadmap& robot = robots_.emplace_back();
+      robot.axis = member.axis;
+      robot.space = Space("robot", std::vector<Axis>(begin, begin + static_cast<std::ptrdiff_t>(member.axes)));
+      robot.vertices = Configurations(member.axes);
+    }
+  }
+
+  [[nodiscard]] bool draws() const override { return StartTreePlanner::draws() && !growing_; }
+
+ protected:
+  void plant() override {
+    places_.clear();
+    seen_.clear();
+    places_.emplace_back(robots_.size(), RobotRoadmap::start);
+    seen_.emplace(places_.front(), 0);
+    StartTreePlanner::plant();
+  }
+
+  void iterate() override {
+    if (growing_) {
+      grow();
+      return;
+    }
+    propose(context_, sample_);
+    const auto near = tree_->to_extend(sample_);
+    const bool to_goal = context_.instance.to_goal(sample_) <= context_.instance.goal_tolerance;
+    Place next = places_[near.id];
+    for (std::size_t i = 0; i < robots_.size(); ++i) next[i] = towards(robots_[i], next[i], to_goal);
+    Outcome outcome;
+    outcome.proposal = sample_;
+    std::uint32_t added = no_node;
+    if (!seen_.contains(next)) {
+      const std::size_t before = tree_->size();
+      added = move(near.id, next, outcome);
+      if (tree_->size() == before) added = no_node;
+    }
+    outcome.near = (*tree_)[near.id];
+    if (added != no_node) outcome.added = (*tree_)[added];
+    record_outcome(context_, outcome, tree_->row(near.id), added != no_node ? tree_->row(added) : no_node);
+    if (added != no_node && best_ == added && !solved_) connect_goal(added);
+  }
+
+  void pruned(const std::vector<std::uint32_t>& ids) override {
+    seen_.clear();
+    std::vector<Place> kept;
+    for (std::size_t id = 0; id < ids.size(); ++id) {
+      if (ids[id] == no_node) continue;
+      seen_.emplace(places_[id], ids[id]);
+      kept.push_back(std::move(places_[id]));
+    }
+    places_ = std::move(kept);
+  }
+
+ private:
+  /// The vertex of each robot in its roadmap.
+  using Place = std::vector<std::uint32_t>;
+
+  /// Adds a vertex to each roadmap that is not complete.
+  void grow() {
+    Instance& instance = context_.instance;
+    bool complete = true;
+    for (RobotRoadmap& robot : robots_) {
+      if (robot.vertices.empty()) {
+        make_validity_of(robot);
+        const auto part = [&](View q) { return q.subspan(robot.axis, robot.space.dimension()); };
+        add(robot, part(instance.start));
+        add(robot, part(instance.goals[instance.nearest_goal(instance.start).goal]));
+      }
+      if (robot.vertices.size() >= static_cast<std::size_t>(settings_.roadmap) + 2) continue;
+      complete = false;
+      Configuration q(robot.space.dimension());
+      constexpr int attempts = 100;
+      for (int k = 0; k < attempts; ++k) {
+        robot.space.sample_uniform(context_.proposals, q);
+        ++instance.checks.validity;
+        ++instance.checks.alone;
+        if (!robot.validity->state(q)) continue;
+        add(robot, q);
+        break;
+      }
+    }
+    // A robot without room keeps a smaller roadmap.
+    if (!complete && ++rounds_ < 2 * settings_.roadmap) return;
+    for (RobotRoadmap& robot : robots_) find_paths(robot);
+    growing_ = false;
+  }
+
+  void make_validity_of(RobotRoadmap& robot) const {
+    const Instance& instance = context_.instance;
+    if (robots_.size() == 1) {
+      robot.validity = instance.validity;
+      return;
+    }
+    std::vector<std::size_t> axes(robot.space.dimension());
+    for (std::size_t j = 0; j < axes.size(); ++j) axes[j] = robot.axis + j;
+    robot.validity = make_validity(instance.collision, instance.scene->reduced(axes), robot.space, instance.resolution,
+                                   nullptr);
+  }
+
+  void add(RobotRoadmap& robot, View q) {
+    std::vector<std::pair<double, std::uint32_t>> near;
+    for (std::uint32_t v = 0; v < robot.vertices.size(); ++v) {
+      near.emplace_back(robot.space.squared_distance(std::as_const(robot.vertices)[v], q), v);
+    }
+    const auto most = std::min(near.size(), static_cast<std::size_t>(settings_.neighbours));
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(most), near.end());
+    const std::uint32_t added = robot.vertices.push(q);
+    robot.neighbours.emplace_back();
+    for (std::size_t k = 0; k < most; ++k) {
+      const std::uint32_t v = near[k].second;
+      const MotionReport report = robot.validity->motion(std::as_const(robot.vertices)[v], q);
+      context_.instance.checks.validity += report.checks;
+      ++context_.instance.checks.motion;
+      if (!report.valid) continue;
+      robot.neighbours[v].push_back(added);
+      robot.neighbours[added].push_back(v);
+    }
+  }
+
+  /// Finds the shortest paths of a robot to its goal.
+  void find_paths(RobotRoadmap& robot) const {
+    using Entry = std::pair<double, std::uint32_t>;
+    std::vector<double> cost(robot.vertices.size(), std::numeric_limits<double>::infinity());
+    robot.on.assign(robot.vertices.size(), no_node);
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    cost[RobotRoadmap::goal] = 0.0;
+    robot.on[RobotRoadmap::goal] = RobotRoadmap::goal;
+    open.emplace(0.0, RobotRoadmap::goal);
+    while (!open.empty()) {
+      const auto [so_far, v] = open.top();
+      open.pop();
+      if (so_far > cost[v]) continue;
+      for (const std::uint32_t u : robot.neighbours[v]) {
+        const double through =
+            so_far + robot.space.distance(std::as_const(robot.vertices)[u], std::as_const(robot.vertices)[v]);
+        if (through >= cost[u]) continue;
+        cost[u] = through;
+        robot.on[u] = v;
+        open.emplace(through, u);
+      }
+    }
+  }
+
+  /// The neighbour of a vertex in the direction of the proposal, or on the way to the goal.
+  [[nodiscard]] std::uint32_t towards(const RobotRoadmap& robot, std::uint32_t vertex, bool to_goal) const {
+    if (to_goal) return robot.on[vertex] != no_node ? robot.on[vertex] : vertex;
+    const std::size_t d = robot.space.dimension();
+    const View from = robot.vertices[vertex];
+    Configuration wanted(d);
+    Configuration along(d);
+    robot.space.log(from, View(sample_).subspan(robot.axis, d), wanted);
+    std::uint32_t best = vertex;
+    double most = -std::numeric_limits<double>::infinity();
+    for (const std::uint32_t u : robot.neighbours[vertex]) {
+      robot.space.log(from, robot.vertices[u], along);
+      double dot = 0.0, squared = 0.0;
+      for (std::size_t j = 0; j < d; ++j) {
+        dot += wanted[j] * along[j];
+        squared += along[j] * along[j];
+      }
+      const double cosine = squared > 0.0 ? dot / std::sqrt(squared) : 0.0;
+      if (cosine <= most) continue;
+      most = cosine;
+      best = u;
+    }
+    return best;
+  }
+
+  /// Moves the team from a node to a place, if the motion is valid.
+  /// \param outcome  receives the fate
+  /// \return the node there; `from` where the motion is invalid
+  std::uint32_t move(std::uint32_t from, const Place& place, Outcome& outcome) {
+    Instance& instance = context_.instance;
+    target_.assign(instance.space.dimension(), 0.0);
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const View q = std::as_const(robots_[i].vertices)[place[i]];
+      std::copy(q.begin(), q.end(), target_.begin() + static_cast<std::ptrdiff_t>(robots_[i].axis));
+    }
+    const MotionReport report = instance.motion((*tree_)[from], target_);
+    if (!report.valid) {
+      instance.space.interpolate((*tree_)[from], target_, report.invalid_at, blocked_);
+      outcome.blocked_at = blocked_;
+      return from;
+    }
+    outcome.fate = Fate::advanced;
+    places_.push_back(place);
+    const std::uint32_t id = insert(target_, from);
+    seen_.emplace(place, id);
+    return id;
+  }
+
+  /// Moves the robots to their goals one after another, as long as one of them gets there.
+  void connect_goal(std::uint32_t from) {
+    for (bool moved = true; moved && !solved_;) {
+      moved = false;
+      for (std::size_t i = 0; i < robots_.size() && !solved_; ++i) {
+        std::uint32_t at = from;
+        while (places_[at][i] != RobotRoadmap::goal) {
+          Place next = places_[at];
+          const std::uint32_t on = robots_[i].on[next[i]];
+          if (on == no_node) break;
+          next[i] = on;
+          if (const auto there = seen_.find(next); there != seen_.end()) {
+            at = there->second;
+            continue;
+          }
+          Outcome outcome;
+          const std::uint32_t reached = move(at, next, outcome);
+          outcome.proposal = target_;
+          outcome.near = (*tree_)[at];
+          outcome.near_row = tree_->row(at);
+          if (reached != at) {
+            outcome.added = (*tree_)[reached];
+            outcome.added_row = tree_->row(reached);
+          }
+          context_.guidance.observe(outcome, false);
+          if (reached == at) break;
+          at = reached;
+        }
+        if (at == from || places_[at][i] != RobotRoadmap::goal) continue;
+        from = at;
+        moved = true;
+      }
+    }
+  }
+
+  DrrtSettings settings_;
+  std::vector<RobotRoadmap> robots_;
+  std::vector<Place> places_;  ///< of each node of the tree
+  std::map<Place, std::uint32_t> seen_;  ///< the node at each
+  bool growing_ = true;  ///< the roadmaps are not complete
+  std::int64_t rounds_ = 0;
+};
+
+}  // namespace
+
+PlannerKind drrt_kind() {
+  return {&drrt_settings().component(), [](const Options& o) { return common_of(drrt_settings().read(o)); },
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+            return std::make_unique<Drrt>(drrt_settings().read(o), std::move(context));
+          },
+          false};
+}
+
+}  // namespace trellis
