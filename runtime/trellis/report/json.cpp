@@ -345,6 +345,9 @@ Json run_json(const RunResult& run) {
                {"improvements", improvements_json(run.run.improvements)},
                {"levels", std::move(levels)}};
   if (run.run.trajectory.dt > 0.0) json["trajectory"] = trajectory_json(run.run.trajectory);
+  if (const auto& times = run.run.times) {
+    json["times"] = {{"at", times->at}, {"makespan", times->makespan}, {"sum_of_costs", times->sum_of_costs}};
+  }
   return json;
 }
 
@@ -604,7 +607,7 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
                                   {"expansion", measure_json(level.equal.expansion)}};
     }
   }
-  return {
+  Json json = {
       {"problem", problem},
       {"strategy", of.strategy},
       {"runs", summary.runs},
@@ -635,6 +638,11 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
       {"guides_without_level", std::move(guides)},
       {"waterfall",
        {{"tree", waterfall_json(summary.tree_waterfall)}, {"expansion", waterfall_json(summary.expansion_waterfall)}}}};
+  if (summary.makespan.n > 0) {
+    json["makespan"] = interval_json(summary.makespan);
+    json["sum_of_costs"] = interval_json(summary.sum_of_costs);
+  }
+  return json;
 }
 
 /// The facts beside the summaries that printed reports state.

@@ -40,6 +40,8 @@ constexpr std::array columns = {
     Column{"set_up_s", "/set_up_s"},
     Column{"path_cpu_s", "/path_cpu_s"},
     Column{"length", "/length"},
+    Column{"makespan", "/times/makespan"},
+    Column{"sum_of_costs", "/times/sum_of_costs"},
     Column{"first_length", "/improvements/0/length"},
     Column{"first_checks", "/improvements/0/checks"},
     Column{"first_cpu_s", "/improvements/0/cpu_s"},

@@ -242,6 +242,9 @@ RunsSummary summary_of(const Json& json) {
   if (const Json& share = field(json, "lua_share"); share.is_number()) summary.lua_share = number(share);
   summary.length = interval(json.at("length"));
   // Missing in documents of before.
+  if (json.contains("makespan")) summary.makespan = interval(json.at("makespan"));
+  if (json.contains("sum_of_costs")) summary.sum_of_costs = interval(json.at("sum_of_costs"));
+  // Missing in documents of before.
   if (const auto law = json.find("bounded_loss"); law != json.end() && law->is_object()) {
     summary.beside = {.runs = law->at("runs").get<std::size_t>(),
                       .unguided_share = number(law->at("unguided_share")),

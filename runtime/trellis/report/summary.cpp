@@ -477,6 +477,8 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   std::vector<CensoredCost> motion;
   std::vector<CensoredCost> seconds;
   std::vector<double> length;
+  std::vector<double> makespan;
+  std::vector<double> sum_of_costs;
   // By key: a run that ended early may lack the deeper levels.
   std::map<std::vector<std::uint64_t>, LevelResults> levels;
   for (const auto* run : runs) {
@@ -494,6 +496,10 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
     if (run->run.solved) {
       ++result.solved;
       length.push_back(run->run.length);
+      if (run->run.times) {
+        makespan.push_back(run->run.times->makespan);
+        sum_of_costs.push_back(run->run.times->sum_of_costs);
+      }
     }
     for (const auto& level : run->levels) levels[parse_key(level.record.key)].push_back(&level);
   }
@@ -509,6 +515,8 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   result.spent_motion_checks = median_spent(motion);
   result.spent_seconds = median_spent(seconds);
   result.length = student_interval(length);
+  result.makespan = student_interval(makespan);
+  result.sum_of_costs = student_interval(sum_of_costs);
 
   std::map<std::vector<std::uint64_t>, int> index;
   for (const auto& [key, group] : levels) {

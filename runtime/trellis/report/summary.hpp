@@ -239,6 +239,7 @@ struct RunsSummary {
   double set_up_share = 0.0;         ///< the same relative to the median work of a run
   double lua_share = 0.0;            ///< of the CPU time of all runs, in functions in Lua
   Interval length;                   ///< mean over the solved runs, metres of the metric
+  Interval makespan, sum_of_costs;   ///< of teams: means over the solved runs, seconds (TeamTimes)
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;
   Waterfall expansion_waterfall;

@@ -319,6 +319,8 @@ class Running {
       checks = planned;
     }
     record.length = path_length(problem_.space, record.path);
+    const std::vector<TeamMember> members = problem_.scene->members();
+    if (members.size() > 1) record.times = times_of(problem_.space, members, record.path);
     record.clearance = search.check_path().clearance();
   }
 

@@ -11,6 +11,7 @@
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/scene/scene.hpp>
+#include <trellis/scene/team_times.hpp>
 #include <trellis/strategy/run_facts.hpp>
 #include <trellis/strategy/spec.hpp>
 
@@ -128,6 +129,7 @@ struct RunRecord {
   double lua_seconds = 0.0;
   Configurations path;                ///< from start to goal; empty if unsolved
   double length = 0.0;                ///< of `path`, in metres in the metric
+  std::optional<TeamTimes> times = {};  ///< of `path`, where the robot is a team
   Trajectory trajectory;              ///< controls of the path if the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -238,8 +239,13 @@ class TeamSearch final : public Planner {
       space_->project(instance.goals[goal()], part->goals.front());
       for (std::size_t g = 0; g < space_->along().size(); ++g) part->goals.front()[g] = space_->along()[g].length();
     }
-    levels_.push_back(std::make_unique<Level>(run_, &level_, fmt::format("{}/{}", level_.record().key, levels_.size()),
-                                              name, std::move(part), planner_, space_));
+    // The level of a robot has the same key in all runs; a further search of it another number.
+    const std::size_t number = robots.empty()       ? members_.size()
+                               : robots.size() == 1 ? robots.front()
+                                                    : members_.size() + 1 + joined_++;
+    levels_.push_back(std::make_unique<Level>(
+        run_, &level_, fmt::format("{}/{}.{}", level_.record().key, searches_[number]++, number), name,
+        std::move(part), planner_, space_));
     current_ = levels_.back().get();
     if (guide != nullptr) current_->guide_by(*guide);
   }
@@ -395,6 +401,8 @@ class TeamSearch final : public Planner {
   std::vector<std::size_t> waiting_;            ///< in order: robots that wait at their starts, of the last search
   std::set<std::size_t> blocking_;              ///< in order: robots that cannot wait at their starts any more
   std::set<std::pair<std::vector<std::size_t>, std::vector<std::size_t>>> passing_;  ///< pairs that were examined
+  std::map<std::size_t, std::size_t> searches_;  ///< so far, by the number of their robots
+  std::size_t joined_ = 0;                       ///< groups of several robots that were searched
   std::int64_t tries_left_;
   std::optional<Configurations> found_;
 };

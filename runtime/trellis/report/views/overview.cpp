@@ -117,7 +117,11 @@ std::string strategies_table(const Section& section, std::size_t width) {
   }
   columns.push_back(number_column({"ms"}, "median"));
   if (lua) columns.push_back(number_column({"Lua %"}));
+  const bool team = std::any_of(section.rows.begin(), section.rows.end(),
+                                [](const Row& row) { return !std::isnan(row.runs().makespan.value); });
   columns.push_back(number_column({"path m"}, "mean"));
+  if (team) columns.push_back(number_column({"makespan s"}, "mean"));
+  if (team) columns.push_back(number_column({"sum of costs"}, "mean"));
   Table table(columns);
   for (const Row& row : section.rows) {
     const RunsSummary& s = row.runs();
@@ -136,6 +140,8 @@ std::string strategies_table(const Section& section, std::size_t width) {
     cells.push_back(milliseconds_text(s.seconds.value, decimals_for(slowest)));
     if (lua) cells.push_back(lua_share_text(s.lua_share));
     cells.push_back(std::isnan(s.length.value) ? "-" : fixed(s.length.value, 1));
+    if (team) cells.push_back(std::isnan(s.makespan.value) ? "-" : fixed(s.makespan.value, 1));
+    if (team) cells.push_back(std::isnan(s.sum_of_costs.value) ? "-" : fixed(s.sum_of_costs.value, 1));
     table.add(std::move(cells));
   }
   return table.text(width);

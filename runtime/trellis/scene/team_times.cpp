@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/team_times.hpp>
+
+#include <algorithm>
+
+namespace trellis {
+
+TeamTimes times_of(const Space& space, const std::vector<TeamMember>& members, const Configurations& path) {
+  TeamTimes times;
+  times.at.assign(path.size(), 0.0);
+  std::vector<Space> own;
+  for (const TeamMember& member : members) {
+    const auto begin = space.axes().begin() + static_cast<std::ptrdiff_t>(member.axis);
+    own.emplace_back("robot", std::vector<Axis>(begin, begin + static_cast<std::ptrdiff_t>(member.axes)));
+  }
+  std::vector<double> arrived(members.size(), 0.0);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    double longest = 0.0;
+    std::vector<char> moves(members.size(), 0);
+    for (std::size_t r = 0; r < members.size(); ++r) {
+      const auto part = [&](View q) { return q.subspan(members[r].axis, members[r].axes); };
+      const double moved = own[r].distance(part(path[i - 1]), part(path[i]));
+      moves[r] = moved > 0.0 ? 1 : 0;
+      longest = std::max(longest, moved);
+    }
+    times.at[i] = times.at[i - 1] + longest;
+    for (std::size_t r = 0; r < members.size(); ++r) {
+      if (moves[r] != 0) arrived[r] = times.at[i];
+    }
+  }
+  for (const double time : arrived) {
+    times.makespan = std::max(times.makespan, time);
+    times.sum_of_costs += time;
+  }
+  return times;
+}
+
+}  // namespace trellis

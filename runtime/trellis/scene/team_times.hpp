@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/scene/scene.hpp>
+#include <trellis/space/space.hpp>
+
+namespace trellis {
+
+/// When a team is where on a path whose robots move at 1 m/s at most, each in the metric of its own coordinates.
+struct TeamTimes {
+  std::vector<double> at;     ///< seconds, of each configuration of the path: all robots move along a piece evenly
+  double makespan = 0.0;      ///< seconds until the last robot is at its goal
+  double sum_of_costs = 0.0;  ///< the sum over robots of the seconds until it is at its goal and stays there
+};
+
+/// Times a path: each piece takes as long as the robot that moves farthest on it.
+/// \param members  of the team, at least one
+TeamTimes times_of(const Space& space, const std::vector<TeamMember>& members, const Configurations& path);
+
+}  // namespace trellis
