@@ -171,7 +171,7 @@ bool is_of_members(Value value, const std::vector<TeamMember>& members) {
       ++length;
       flat = flat && number.type() != lua::Type::table;
     });
-    fits = fits && flat && i <= members.size() && length <= members[i - 1].axes + 1;
+    fits = fits && flat && i <= members.size() && length <= members[i - 1].axes.size() + 1;
   });
   return fits && tables > 0 && tables == elements && members.size() > 1 && tables + 1 >= members.size();
 }
@@ -179,16 +179,17 @@ bool is_of_members(Value value, const std::vector<TeamMember>& members) {
 Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
   const Space& space = problem.space;
   if (const std::vector<TeamMember> members = problem.scene->members(); is_of_members(value, members)) {
-    Configuration q;
+    Configuration q(space.dimension());
     std::size_t count = 0;
     value.each([&](std::size_t i, Value element) {
       ++count;
+      const std::vector<std::size_t>& axes = members[i - 1].axes;
       const Configuration own = read_numbers(element, fmt::format("problem: robot {} of {}", i, what));
-      if (own.size() != members[i - 1].axes) {
+      if (own.size() != axes.size()) {
         throw Error(
-            fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, members[i - 1].axes, own.size()));
+            fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, axes.size(), own.size()));
       }
-      q.insert(q.end(), own.begin(), own.end());
+      for (std::size_t j = 0; j < axes.size(); ++j) q[axes[j]] = own[j];
     });
     if (count != members.size()) {
       throw Error(fmt::format("problem: {} must have a configuration for each of {} robots, got {}", what,

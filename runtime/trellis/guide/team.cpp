@@ -125,9 +125,7 @@ GuideKind kind_of(const Settings<TeamPathSettings>& (*settings)(), std::string n
 
 std::vector<std::size_t> axes_of(const std::vector<TeamMember>& members, const std::vector<std::size_t>& chosen) {
   std::vector<std::size_t> axes;
-  for (const std::size_t i : chosen) {
-    for (std::size_t k = 0; k < members[i].axes; ++k) axes.push_back(members[i].axis + k);
-  }
+  for (const std::size_t i : chosen) axes.insert(axes.end(), members[i].axes.begin(), members[i].axes.end());
   std::sort(axes.begin(), axes.end());
   return axes;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <utility>
@@ -14,6 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
+#include <trellis/scene/team_times.hpp>
 
 namespace trellis {
 
@@ -46,7 +48,7 @@ struct RobotRoadmap {
   static constexpr std::uint32_t start = 0;
   static constexpr std::uint32_t goal = 1;
 
-  std::size_t axis = 0;
+  std::vector<std::size_t> axes;  ///< of the team
   Space space;
   std::shared_ptr<Validity> validity;
   Configurations vertices;
@@ -62,16 +64,18 @@ class Drrt final : public StartTreePlanner {
     const Instance& instance = context_.instance;
     std::vector<TeamMember> members;
     if (instance.scene != nullptr && !instance.validity_of) members = instance.scene->members();
-    if (members.empty()) members.push_back({.axis = 0, .axes = instance.space.dimension()});
+    if (members.empty()) {
+      members.emplace_back().axes.resize(instance.space.dimension());
+      std::iota(members.front().axes.begin(), members.front().axes.end(), std::size_t{0});
+    }
     if (!instance.space.flat()) {
       throw Error(fmt::format("drrt: needs a space without rotations of space, and this is {}", instance.space.name()));
     }
     for (const TeamMember& member : members) {
-      const auto begin = instance.space.axes().begin() + static_cast<std::ptrdiff_t>(member.axis);
       RobotRoadmap& robot = robots_.emplace_back();
-      robot.axis = member.axis;
-      robot.space = Space("robot", std::vector<Axis>(begin, begin + static_cast<std::ptrdiff_t>(member.axes)));
-      robot.vertices = Configurations(member.axes);
+      robot.axes = member.axes;
+      robot.space = space_of(instance.space, member);
+      robot.vertices = Configurations(member.axes.size());
     }
   }
 
@@ -125,6 +129,12 @@ class Drrt final : public StartTreePlanner {
   /// The vertex of each robot in its roadmap.
   using Place = std::vector<std::uint32_t>;
 
+  static Configuration part_of(const RobotRoadmap& robot, View q) {
+    Configuration part;
+    for (const std::size_t axis : robot.axes) part.push_back(q[axis]);
+    return part;
+  }
+
   /// Adds a vertex to each roadmap that is not complete.
   void grow() {
     Instance& instance = context_.instance;
@@ -132,9 +142,8 @@ class Drrt final : public StartTreePlanner {
     for (RobotRoadmap& robot : robots_) {
       if (robot.vertices.empty()) {
         make_validity_of(robot);
-        const auto part = [&](View q) { return q.subspan(robot.axis, robot.space.dimension()); };
-        add(robot, part(instance.start));
-        add(robot, part(instance.goals[instance.nearest_goal(instance.start).goal]));
+        add(robot, part_of(robot, instance.start));
+        add(robot, part_of(robot, instance.goals[instance.nearest_goal(instance.start).goal]));
       }
       if (robot.vertices.size() >= static_cast<std::size_t>(settings_.roadmap) + 2) continue;
       complete = false;
@@ -161,10 +170,8 @@ class Drrt final : public StartTreePlanner {
       robot.validity = instance.validity;
       return;
     }
-    std::vector<std::size_t> axes(robot.space.dimension());
-    for (std::size_t j = 0; j < axes.size(); ++j) axes[j] = robot.axis + j;
-    robot.validity = make_validity(instance.collision, instance.scene->reduced(axes), robot.space, instance.resolution,
-                                   nullptr);
+    robot.validity = make_validity(instance.collision, instance.scene->reduced(robot.axes), robot.space,
+                                   instance.resolution, nullptr);
   }
 
   void add(RobotRoadmap& robot, View q) {
@@ -218,7 +225,7 @@ class Drrt final : public StartTreePlanner {
     const View from = robot.vertices[vertex];
     Configuration wanted(d);
     Configuration along(d);
-    robot.space.log(from, View(sample_).subspan(robot.axis, d), wanted);
+    robot.space.log(from, part_of(robot, sample_), wanted);
     std::uint32_t best = vertex;
     double most = -std::numeric_limits<double>::infinity();
     for (const std::uint32_t u : robot.neighbours[vertex]) {
@@ -244,7 +251,7 @@ class Drrt final : public StartTreePlanner {
     target_.assign(instance.space.dimension(), 0.0);
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       const View q = std::as_const(robots_[i].vertices)[place[i]];
-      std::copy(q.begin(), q.end(), target_.begin() + static_cast<std::ptrdiff_t>(robots_[i].axis));
+      for (std::size_t j = 0; j < q.size(); ++j) target_[robots_[i].axes[j]] = q[j];
     }
     const MotionReport report = instance.motion((*tree_)[from], target_);
     if (!report.valid) {

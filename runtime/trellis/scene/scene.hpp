@@ -24,12 +24,11 @@ struct ThinnestObstacle {
   double thickness = 0.0;  ///< metres: the least distance between two parallel lines, or planes, that enclose it
 };
 
-/// A robot of a team, by the coordinates of the team's configurations that are its own: adjacent ones.
+/// A robot of a team.
 struct TeamMember {
-  std::size_t number = 1;   ///< in messages and scripts
-  std::size_t axis = 0;     ///< its first coordinate
-  std::size_t axes = 0;     ///< how many it has
-  bool translates = false;  ///< the first `world_dimension` of them are the position of its reference point
+  std::size_t number = 1;         ///< in messages and scripts
+  std::vector<std::size_t> axes;  ///< the coordinates of the team that are its own, ascending
+  bool translates = false;        ///< the first `world_dimension` of them are the position of its reference point
 };
 
 /// The world and the robot of a problem. Immutable, shared between runs and threads. PlanarScene, SpatialScene
@@ -76,7 +75,7 @@ class Scene {
   /// Returns "link 2", or "body 2" where it has no name.
   [[nodiscard]] virtual std::string body_name(std::size_t body) const = 0;
 
-  /// The robots of a team, in the order of their coordinates; none, or one, of a robot alone.
+  /// The robots of a team, in the order of their first coordinates; none, or one, of a robot alone.
   [[nodiscard]] virtual std::vector<TeamMember> members() const { return {}; }
 
   /// Returns the space of the robot's configurations in the world.

@@ -9,6 +9,9 @@
 
 namespace trellis {
 
+/// The space of a robot of a team: its axes of the team's flat space.
+Space space_of(const Space& team, const TeamMember& member);
+
 /// When a team is where on a path whose robots move at 1 m/s at most, each in the metric of its own coordinates.
 struct TeamTimes {
   std::vector<double> at;     ///< seconds, of each configuration of the path: all robots move along a piece evenly

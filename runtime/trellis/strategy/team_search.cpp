@@ -188,10 +188,10 @@ class TeamSearch final : public Planner {
       TeamSpace both(context_.instance, {}, axes_of(members_, {groups_[place].robots.front(), robot}), "both");
       const auto pair = both.project(context_.instance);
       Configuration q = pair->start;
-      const TeamMember& moving = members_[groups_[place].robots.front()];
+      const std::vector<std::size_t>& moving = members_[groups_[place].robots.front()].axes;
       for (std::size_t j = 0; j < both.axes().size(); ++j) {
         const std::size_t axis = both.axes()[j];
-        if (axis >= moving.axis && axis < moving.axis + moving.axes) q[j] = context_.instance.goals[goal()][axis];
+        if (std::binary_search(moving.begin(), moving.end(), axis)) q[j] = context_.instance.goals[goal()][axis];
       }
       const bool free = pair->valid(q);
       count(*pair);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <trellis/base/error.hpp>
@@ -51,7 +52,9 @@ std::optional<ThinnestObstacle> PlanarScene::thinnest_obstacle() const {
 std::vector<TeamMember> PlanarScene::members() const {
   std::vector<TeamMember> members;
   for (const Robot::Member& member : robot.members()) {
-    members.push_back({member.number, member.axis, member.robot->dimension(), member.robot->translates()});
+    std::vector<std::size_t> axes(member.robot->dimension());
+    std::iota(axes.begin(), axes.end(), member.axis);
+    members.push_back({member.number, std::move(axes), member.robot->translates()});
   }
   return members;
 }

@@ -185,16 +185,14 @@ std::vector<TeamMember> SphereModel::members() const {
     }
   }
   std::vector<TeamMember> members;
+  std::vector<std::size_t> roots;
   for (std::size_t j = 0; j < owner.size(); ++j) {
-    const bool again = std::find(owner.begin(), owner.begin() + static_cast<std::ptrdiff_t>(j), owner[j]) !=
-                       owner.begin() + static_cast<std::ptrdiff_t>(j);
-    if (!again) {
-      members.push_back({members.size() + 1, j, 1, false});
-    } else if (owner[j - 1] == owner[j]) {
-      ++members.back().axes;
-    } else {
-      return {};  // coordinates of a member that are not adjacent
+    const auto place = static_cast<std::size_t>(std::find(roots.begin(), roots.end(), owner[j]) - roots.begin());
+    if (place == roots.size()) {
+      roots.push_back(owner[j]);
+      members.push_back({roots.size(), {}, false});
     }
+    members[place].axes.push_back(j);
   }
   return members;
 }
