@@ -184,7 +184,11 @@ Json robot_json(const SphereModel& model) {
 std::string packed_fates(const LevelRecord& record, const Search& search, const Problem& problem) {
   std::unique_ptr<Checker> checker;
   if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot_dimension()) {
-    checker = make_checker(problem.collision, record.scene, record.space, problem.resolution);
+    // A space may be that of another kind of robot, as the hand's positions are of an arm.
+    const std::vector<std::string> known = collision_backends(*record.scene);
+    const bool same = std::find(known.begin(), known.end(), problem.collision) != known.end();
+    checker =
+        make_checker(same ? problem.collision : known.front(), record.scene, record.space, problem.resolution);
   }
   std::string bytes;
   bytes.reserve(search.proposals.size());
