@@ -56,6 +56,12 @@ inline Problem make_problem(std::string name, World world, Robot robot, Configur
   return problem;
 }
 
+/// Two discs that change places beside a wall.
+inline Problem team_problem() {
+  return make_problem("team", rectangle_world({{4, 0, 5, 6}}), Robot::team({Robot::disc(0.4), Robot::disc(0.3)}),
+                      {1, 1, 8, 1}, {8, 1, 1, 1});
+}
+
 inline Problem simple_passage_problem() {
   return make_problem("simple_passage", rectangle_world(simple_passage()), rectangle_robot(), {1, 8.5, 0}, {9, 1.5, 0});
 }

@@ -261,7 +261,8 @@ TEST_CASE("a guide that lost the planner's nodes guides as one that never had an
   for (const auto& kind : guide_kinds()) {
     if (kind.default_planner.empty()) continue;
     CAPTURE(kind.component->name);
-    const Problem problem = test::simple_passage_problem();
+    const Problem problem =
+        kind.claims.needs == GuideClaims::Needs::team ? test::team_problem() : test::simple_passage_problem();
     // The same path for each: straight in S, of two legs.
     const auto drawn = [&](bool learns, bool restarts) {
       const auto parent = make_instance(problem);

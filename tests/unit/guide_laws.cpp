@@ -49,6 +49,7 @@ bool is_image(const GuideKind& kind) { return kind.component->name != "pca"; }
 /// Problems for a guide that it does not refuse; that of a robot with velocities for guides that leave these to the
 /// fibre, as a tube in five dimensions is too thin for laws that are checked by sampling.
 std::vector<Problem> problems(const GuideKind& kind) {
+  if (kind.claims.needs == GuideClaims::Needs::team) return {test::team_problem()};
   std::vector<Problem> all = {test::cup_problem(), test::simple_passage_problem(), test::point_problem(5)};
   if (kind.claims.needs != GuideClaims::Needs::position_axes) all.push_back(arm_problem());
   if (kind.claims.needs == GuideClaims::Needs::position) all.push_back(free_arm_problem());
@@ -243,7 +244,7 @@ Problem sealed_problem() {
 TEST_CASE("a guide has a closed form where it claims one", "[guide][claims]") {
   for (const auto& kind : guide_kinds()) {
     CAPTURE(kind.component->name);
-    auto solved = solve(kind, test::simple_passage_problem());
+    auto solved = solve(kind, problems(kind).front());
     CHECK(std::isnan(test::record_of(*solved.h).at(solved.parent->start)) == !kind.claims.closed_form);
     if (kind.claims.category == GuideClaims::Category::sampling) CHECK(kind.default_planner.empty());
     CHECK((kind.claims.fallback == GuideClaims::Fallback::none) == kind.default_planner.empty());
@@ -254,8 +255,11 @@ TEST_CASE("an end that is invalid in C leaves a guide with a distribution over C
   for (const auto& kind : guide_kinds()) {
     for (const bool at_goal : {false, true}) {
       CAPTURE(kind.component->name, at_goal);
-      auto problem = test::cup_problem();
-      (at_goal ? problem.goals.front() : problem.start) = {6.75, 5, 0};  // inside the cup's bottom
+      const bool team = kind.claims.needs == GuideClaims::Needs::team;
+      auto problem = team ? test::team_problem() : test::cup_problem();
+      // Inside the cup's bottom, or one robot inside the wall.
+      (at_goal ? problem.goals.front() : problem.start) =
+          team ? Configuration{4.5, 2, 8, 1} : Configuration{6.75, 5, 0};
       auto solved = solve(kind, problem, 1, 500);
       if (solved.sub) {
         const Configuration& end = at_goal ? solved.sub->goal() : solved.sub->start;
@@ -271,7 +275,7 @@ TEST_CASE("an end that is invalid in C leaves a guide with a distribution over C
 
 TEST_CASE("a guide whose space has no path goes by what it claims to", "[guide][claims]") {
   for (const auto& kind : guide_kinds()) {
-    if (kind.default_planner.empty()) continue;
+    if (kind.default_planner.empty() || kind.claims.needs == GuideClaims::Needs::team) continue;
     CAPTURE(kind.component->name);
     auto solved = solve(kind, sealed_problem(), 1, 1000);
     if (solved.found.solved()) continue;  // what it leaves out is the wall
@@ -331,7 +335,12 @@ TEST_CASE("samples of h fall where its density says", "[guide][density][slow]") 
           box[j].first = std::min(box[j].first, q[j]);
           box[j].second = std::max(box[j].second, q[j]);
         }
-        if (q == goal && test::record_of(*solved.h).atoms() > 0.0) {
+        const Configurations& path = solved.found.path;
+        bool atom = q == goal;
+        for (std::size_t k = 0; k < path.size() && !atom && path.dimension() == q.size(); ++k) {
+          atom = std::equal(q.begin(), q.end(), path[k].begin());
+        }
+        if (atom && test::record_of(*solved.h).atoms() > 0.0) {
           atoms += 1.0;
         } else {
           drawn[cell(q)] += 1.0 / draws;

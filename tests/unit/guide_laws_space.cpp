@@ -52,6 +52,7 @@ std::vector<const GuideKind*> kinds() {
   std::vector<const GuideKind*> some;
   for (const GuideKind& kind : guide_kinds()) {
     const std::string& name = kind.component->name;
+    if (kind.claims.needs == GuideClaims::Needs::team) continue;
     if (name != "learned" && name != "holonomic" && name != "blossom" && name != "experience") some.push_back(&kind);
   }
   return some;

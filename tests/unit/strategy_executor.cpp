@@ -26,7 +26,9 @@ PlannerSpec rrt(const std::vector<Options::Entry>& given = {}) { return PlannerS
 std::vector<GuideKind> searching() {
   std::vector<GuideKind> all;
   std::copy_if(guide_kinds().begin(), guide_kinds().end(), std::back_inserter(all),
-               [](const GuideKind& kind) { return !kind.default_planner.empty(); });
+               [](const GuideKind& kind) {
+                 return !kind.default_planner.empty() && kind.claims.needs != GuideClaims::Needs::team;
+               });
   return all;
 }
 

@@ -9,6 +9,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -80,7 +81,7 @@ TEST_CASE("anytime planners find the path to the nearer goal", "[strategy][goals
 TEST_CASE("guides guide to several goals", "[strategy][goals]") {
   const Problem problem = shut_in();
   const auto rrt = PlannerSpec::make("rrt", {{"step", 0.5}});
-  for (const auto& kind : guide_kinds()) {
+  for (const auto& kind : test::guides_of_one_robot()) {
     CAPTURE(kind.component->name);
     const StrategySpec strategy = GuideSpec::make(kind.component->name, {}) >> rrt;
     CHECK(goal_reached(problem, execute(strategy, problem, 3)) > 0);
@@ -136,7 +137,9 @@ TEST_CASE("what a guided run costs does not depend on the order of the goals", "
   // Without a companion, which comes to the near goal soon.
   const auto rrt = PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}});
   std::vector<StrategySpec> strategies;
-  for (const auto& kind : guide_kinds()) strategies.push_back(GuideSpec::make(kind.component->name, {}) >> rrt);
+  for (const auto& kind : test::guides_of_one_robot()) {
+    strategies.push_back(GuideSpec::make(kind.component->name, {}) >> rrt);
+  }
   strategies.push_back(GuideSpec::make("skeleton", {{"follow", std::string("regions")}}) >> rrt);
   strategies.push_back(GuideSpec::make("workspace", {{"lift", std::string("path")}}) >> rrt);
   strategies.push_back(GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {}) >> rrt);

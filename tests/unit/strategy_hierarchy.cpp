@@ -17,6 +17,7 @@
 
 #include "support/bounded_loss.hpp"
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/refuses.hpp"
 #include "support/space.hpp"
 #include "support/worlds.hpp"
@@ -252,7 +253,7 @@ TEST_CASE("guides are set up only when the planner alone has done as much work",
 
 TEST_CASE("the work of setting up is known for every guide, and grows with the world", "[strategy][bound]") {
   const Problem passage = test::simple_passage_problem(), slot = test::slot_problem();
-  for (const GuideKind& kind : guide_kinds()) {
+  for (const GuideKind& kind : test::guides_of_one_robot()) {
     CAPTURE(kind.component->name);
     const Options options = Options::validate(*kind.component, {});
     for (const Problem* problem : {&passage, &slot}) {
@@ -362,7 +363,7 @@ TEST_CASE("another solution in S gives other proposals in C", "[strategy][pairs]
   };
   int different = 0;
   int pairs = 0;
-  for (const auto& guided : guide_kinds()) {
+  for (const auto& guided : test::guides_of_one_robot()) {
     if (guided.default_planner.empty() || guided.component->name == "experience") continue;
     const auto small = [](const GuideKind& kind) {
       return kind.default_planner.empty()

@@ -8,6 +8,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/refuses.hpp"
 #include "support/worlds.hpp"
 
@@ -60,8 +61,8 @@ void check_run(const GuideSpec& guide) {
 }  // namespace
 
 TEST_CASE("any guide guides the search of any other that has one", "[strategy][pairs]") {
-  for (const auto& above : guide_kinds()) {
-    for (const auto& guided : guide_kinds()) {
+  for (const auto& above : test::guides_of_one_robot()) {
+    for (const auto& guided : test::guides_of_one_robot()) {
       if (guided.default_planner.empty()) continue;
       const GuideSpec both = small(above) >> small(guided);
       if (test::refuses(above, guided, block_problem())) {
@@ -76,13 +77,13 @@ TEST_CASE("any guide guides the search of any other that has one", "[strategy][p
 }
 
 TEST_CASE("any guide mixes with any other", "[strategy][pairs]") {
-  for (const auto& a : guide_kinds()) {
-    for (const auto& b : guide_kinds()) check_run(small(a) + small(b));
+  for (const auto& a : test::guides_of_one_robot()) {
+    for (const auto& b : test::guides_of_one_robot()) check_run(small(a) + small(b));
   }
 }
 
 TEST_CASE("any guide takes turns with any other", "[strategy][pairs]") {
-  const auto& kinds = guide_kinds();
+  const auto& kinds = test::guides_of_one_robot();
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) check_run(sequence({small(kinds[i]), small(kinds[k])}, 30));
   }

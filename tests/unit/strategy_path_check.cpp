@@ -7,6 +7,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -66,7 +67,7 @@ TEST_CASE("a guided search continues where its path was refuted", "[executor][pa
   problem.resolution = 0.4;
   std::uint64_t all = 0;
   const auto rrt = [] { return PlannerSpec::make("rrt", {{"proposals", 50000.0}}); };
-  for (const GuideKind& kind : guide_kinds()) {
+  for (const GuideKind& kind : test::guides_of_one_robot()) {
     if (kind.default_planner.empty()) continue;
     INFO(kind.component->name);
     all += refuted(GuideSpec::make(kind.component->name, {}) >> rrt(), problem, 2);

@@ -16,6 +16,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/refuses.hpp"
 #include "support/worlds.hpp"
 
@@ -234,8 +235,8 @@ TEST_CASE("another route of a gives another route of b, for every pair a >> b", 
   int pairs = 0;
   int runs = 0;
   int followed = 0;
-  for (const GuideKind& a : guide_kinds()) {
-    for (const GuideKind& b : guide_kinds()) {
+  for (const GuideKind& a : test::guides_of_one_robot()) {
+    for (const GuideKind& b : test::guides_of_one_robot()) {
       if (!searches(a) || !searches(b) || test::refuses(a, b, block_problem())) continue;
       CAPTURE(a.component->name, b.component->name);
       bool applies = false;

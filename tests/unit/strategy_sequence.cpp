@@ -16,6 +16,7 @@
 #include <trellis/strategy/searched_guidance.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/outcomes.hpp"
 #include "support/refuses.hpp"
 #include "support/worlds.hpp"
@@ -226,14 +227,14 @@ TEST_CASE("in a sequence, another path in one space gives another search of the 
     return execute(sequence({a, b}, 3) >> unbounded({{"proposals", std::int64_t{12}}}), problem, 2);
   };
   int pairs = 0;
-  for (const auto& first : guide_kinds()) {
+  for (const auto& first : test::guides_of_one_robot()) {
     if (first.default_planner.empty() || find_planner(first.default_planner)->graph) continue;
     // Two searches of the same space, and so two paths.
     const auto a =
         GuideSpec::make(first.component->name, {}, PlannerSpec::make("rrt_connect", {{"step", 0.5}, {"bound", 0.0}}));
     const auto other =
         GuideSpec::make(first.component->name, {}, PlannerSpec::make("rrt_connect", {{"step", 0.4}, {"bound", 0.0}}));
-    for (const auto& second : guide_kinds()) {
+    for (const auto& second : test::guides_of_one_robot()) {
       if (second.default_planner.empty() || second.component->name == "experience") continue;
       const auto b = GuideSpec::make(second.component->name, {},
                                      PlannerSpec::make(second.default_planner, {{"proposals", std::int64_t{300}}}));

@@ -14,6 +14,7 @@
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
+#include "support/guides.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
@@ -58,7 +59,7 @@ void check_path(const Problem& problem, const Configurations& path) {
 TEST_CASE("every guide plans for a body in space, or says in a sentence why not", "[strategy][space]") {
   const Problem problem = slot();
   const std::vector<std::string> planar = {"learned", "holonomic", "blossom"};
-  for (const GuideKind& kind : guide_kinds()) {
+  for (const GuideKind& kind : test::guides_of_one_robot()) {
     const std::string& name = kind.component->name;
     if (name == "experience") continue;  // needs a library: below
     INFO(name);
@@ -135,7 +136,7 @@ TEST_CASE("guides nest in pairs, sequences and mixtures above a body in space", 
   const Problem problem = slot();
   const auto small = PlannerSpec::make("rrt_connect", {{"step", 1.0}, {"proposals", 150.0}, {"bound", 0.0}});
   std::vector<std::string> names;
-  for (const GuideKind& kind : guide_kinds()) {
+  for (const GuideKind& kind : test::guides_of_one_robot()) {
     const std::string& name = kind.component->name;
     if (name != "experience" && name != "learned" && name != "holonomic" && name != "blossom") names.push_back(name);
   }

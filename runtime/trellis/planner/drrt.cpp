@@ -37,7 +37,8 @@ const Settings<DrrtSettings>& drrt_settings() {
           "where the robots can move there one after another",
           "Solovey, Salzman and Halperin 2016, Finding a needle in an exponential haystack: discrete RRT")
           .integer("roadmap", &DrrtSettings::roadmap, "vertices", {.lo = 1, .hi = 100000},
-                   "vertices of each robot's roadmap beside its start and goal; their checks are of that robot alone")
+                   "vertices of each robot's roadmap beside its start and goal; their checks are of that robot alone. "
+                   "After 10 proposals for each of them there are twice as many")
           .integer("neighbours", &DrrtSettings::neighbours, "vertices", {.lo = 1, .hi = 1000},
                    "nearest vertices that a vertex of a roadmap is connected to"));
   return settings;
@@ -95,6 +96,15 @@ class Drrt final : public StartTreePlanner {
       grow();
       return;
     }
+    // Where the tree has filled its roadmaps, larger ones may have a path.
+    constexpr std::size_t proposals_per_vertex = 10;
+    if (context_.search.proposals.size() - drawn_before_ >= proposals_per_vertex * wanted_) {
+      drawn_before_ = context_.search.proposals.size();
+      wanted_ *= 2;
+      rounds_ = 0;
+      growing_ = true;
+      return;
+    }
     propose(context_, sample_);
     const auto near = tree_->to_extend(sample_);
     const bool to_goal = context_.instance.to_goal(sample_) <= context_.instance.goal_tolerance;
@@ -145,7 +155,7 @@ class Drrt final : public StartTreePlanner {
         add(robot, part_of(robot, instance.start));
         add(robot, part_of(robot, instance.goals[instance.nearest_goal(instance.start).goal]));
       }
-      if (robot.vertices.size() >= static_cast<std::size_t>(settings_.roadmap) + 2) continue;
+      if (robot.vertices.size() >= wanted_ + 2) continue;
       complete = false;
       Configuration q(robot.space.dimension());
       constexpr int attempts = 100;
@@ -153,13 +163,16 @@ class Drrt final : public StartTreePlanner {
         robot.space.sample_uniform(context_.proposals, q);
         ++instance.checks.validity;
         ++instance.checks.alone;
-        if (!robot.validity->state(q)) continue;
+        if (!robot.validity->state(q)) {
+          report(q, {}, q);
+          continue;
+        }
         add(robot, q);
         break;
       }
     }
     // A robot without room keeps a smaller roadmap.
-    if (!complete && ++rounds_ < 2 * settings_.roadmap) return;
+    if (!complete && ++rounds_ < 2 * wanted_) return;
     for (RobotRoadmap& robot : robots_) find_paths(robot);
     growing_ = false;
   }
@@ -172,6 +185,17 @@ class Drrt final : public StartTreePlanner {
     }
     robot.validity = make_validity(instance.collision, instance.scene->reduced(robot.axes), robot.space,
                                    instance.resolution, nullptr);
+  }
+
+  /// Reports what is invalid in a roadmap to the guidance, where the robot is alone: else it is no configuration of the
+  /// team.
+  void report(View q, View near, View blocked) {
+    if (robots_.size() > 1) return;
+    Outcome outcome;
+    outcome.proposal = q;
+    outcome.near = near;
+    outcome.blocked_at = blocked;
+    context_.guidance.observe(outcome, false);
   }
 
   void add(RobotRoadmap& robot, View q) {
@@ -188,7 +212,12 @@ class Drrt final : public StartTreePlanner {
       const MotionReport report = robot.validity->motion(std::as_const(robot.vertices)[v], q);
       context_.instance.checks.validity += report.checks;
       ++context_.instance.checks.motion;
-      if (!report.valid) continue;
+      if (!report.valid) {
+        Configuration blocked(q.size());
+        robot.space.interpolate(std::as_const(robot.vertices)[v], q, report.invalid_at, blocked);
+        this->report(q, robot.vertices[v], blocked);
+        continue;
+      }
       robot.neighbours[v].push_back(added);
       robot.neighbours[added].push_back(v);
     }
@@ -306,7 +335,9 @@ class Drrt final : public StartTreePlanner {
   std::vector<Place> places_;  ///< of each node of the tree
   std::map<Place, std::uint32_t> seen_;  ///< the node at each
   bool growing_ = true;  ///< the roadmaps are not complete
-  std::int64_t rounds_ = 0;
+  std::size_t wanted_ = static_cast<std::size_t>(settings_.roadmap);  ///< vertices of each roadmap
+  std::size_t rounds_ = 0;                                            ///< of adding them
+  std::size_t drawn_before_ = 0;                                      ///< proposals when the roadmaps last grew
 };
 
 }  // namespace

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -48,6 +50,8 @@ class TeamSearch final : public Planner {
     if (found_ || tries_left_ <= 0) {
       found_.reset();
       groups_.clear();
+      passing_.clear();
+      all_scheduled_ = false;
       tries_left_ = division_.tries;
     }
     if (instance.to_goal(instance.start) > instance.goal_tolerance) return std::nullopt;
@@ -58,27 +62,10 @@ class TeamSearch final : public Planner {
   [[nodiscard]] bool draws() const override { return false; }
 
   std::optional<Status> step() override {
+    if (timetable_) return schedule();
     if (current_ == nullptr) {
       if (tries_left_ <= 0) return Status::budget_spent;
-      if (division_.how != Coordination::order && !groups_.empty() && all_found()) {
-        if (const auto pair = conflict()) {
-          if (division_.how == Coordination::conflicts) {
-            join(pair->first, pair->second);
-          } else {
-            fail();
-          }
-          return std::nullopt;
-        }
-      }
-      if (!groups_.empty() && all_found()) {
-        std::vector<std::size_t> groups(groups_.size());
-        std::iota(groups.begin(), groups.end(), std::size_t{0});
-        if (auto path = schedule_of(groups, static_cast<std::size_t>(division_.effort))) {
-          found_ = std::move(*path);
-          note_path();
-          return Status::solved;
-        }
-      }
+      if (division_.how != Coordination::order && begin_timetable()) return std::nullopt;
       begin_part();
     }
     constexpr double piece = 256.0;
@@ -111,6 +98,28 @@ class TeamSearch final : public Planner {
     std::vector<std::size_t> robots;  ///< members, ascending
     std::optional<RobotsPath> path;   ///< once found; in order, of all robots up to it
     std::set<std::size_t> blocking;   ///< in order, of those after it: robots that stand in the way of that path
+  };
+
+  /// The search of when some groups move along their paths.
+  struct Timetable {
+    Timetable(const Instance& team, const std::vector<Group>& all, std::vector<std::size_t> some)
+        : groups(std::move(some)),
+          space(team, paths_of(all, groups), {}, "schedule"),
+          paths(space.project(team)),
+          search(*paths, cells) {}
+
+    static constexpr std::size_t cells = 16;
+    static std::vector<RobotsPath> paths_of(const std::vector<Group>& all, const std::vector<std::size_t>& some) {
+      std::vector<RobotsPath> along;
+      along.reserve(some.size());
+      for (const std::size_t g : some) along.push_back(*all[g].path);
+      return along;
+    }
+
+    std::vector<std::size_t> groups;
+    TeamSpace space;
+    std::unique_ptr<Instance> paths;
+    ScheduleSearch search;
   };
 
   /// Begins the next search.
@@ -344,36 +353,64 @@ class TeamSearch final : public Planner {
         if (next != groups_.end() && next->robots.size() == 1) tries_left_ = 0;
         groups_.clear();
         passing_.clear();
+        all_scheduled_ = false;
         return;
     }
   }
 
-  /// Searches when groups move along their paths; pays for it here.
-  std::optional<Configurations> schedule_of(const std::vector<std::size_t>& groups, std::size_t most) {
-    std::vector<RobotsPath> along;
-    for (const std::size_t g : groups) along.push_back(*groups_[g].path);
-    TeamSpace space(context_.instance, std::move(along), {}, "schedule");
-    const auto paths = space.project(context_.instance);
-    constexpr std::size_t cells = 16;
-    auto found = schedule(*paths, cells, most);
-    count(*paths);
-    return found ? std::optional(space.placed(*found)) : std::nullopt;
-  }
-
-  /// Returns two groups that cannot pass each other on their paths; none without such.
-  std::optional<std::pair<std::size_t, std::size_t>> conflict() {
+  /// Begins to search when groups move along their paths: of each two, and then of all.
+  /// \return false where a path is missing, or all these searches have ended
+  bool begin_timetable() {
+    if (groups_.empty() || !all_found()) return false;
     for (std::size_t k = 1; k < groups_.size(); ++k) {
       for (std::size_t i = 0; i < k; ++i) {
         if (!passing_.insert({groups_[i].robots, groups_[k].robots}).second) continue;
-        constexpr std::size_t all = 17 * 17;
-        if (!schedule_of({i, k}, all)) return std::pair(i, k);
+        timetable_ = std::make_unique<Timetable>(context_.instance, groups_, std::vector{i, k});
+        return true;
       }
+    }
+    // One group has no other to wait for, two have been examined together.
+    if (std::exchange(all_scheduled_, true)) return false;
+    std::vector<std::size_t> all(groups_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    timetable_ = std::make_unique<Timetable>(context_.instance, groups_, std::move(all));
+    return true;
+  }
+
+  /// Continues to search when groups move.
+  std::optional<Status> schedule() {
+    Timetable& of = *timetable_;
+    constexpr std::uint64_t piece = 256;
+    const bool all = of.groups.size() == groups_.size();
+    const bool pair = of.groups.size() == 2;
+    // A pair has few places: all are examined.
+    const auto most = pair ? std::numeric_limits<std::size_t>::max() : static_cast<std::size_t>(division_.effort);
+    std::optional<Configurations> found;
+    while (!found && !of.search.exhausted() && of.search.expanded() < most && of.paths->checks.validity < piece) {
+      found = of.search.expand();
+    }
+    count(*of.paths);
+    of.paths->checks = {};
+    if (!found && !of.search.exhausted() && of.search.expanded() < most) return std::nullopt;
+    const auto ended = std::exchange(timetable_, nullptr);
+    if (found && all) {
+      found_ = ended->space.placed(*found);
+      note_path();
+      return Status::solved;
+    }
+    if (found || !pair) return std::nullopt;
+    // They cannot pass each other.
+    if (division_.how == Coordination::conflicts) {
+      join(ended->groups[0], ended->groups[1]);
+    } else {
+      fail();
     }
     return std::nullopt;
   }
 
   void join(std::size_t first, std::size_t second) {
     std::vector<std::size_t>& robots = groups_[first].robots;
+    all_scheduled_ = false;
     robots.insert(robots.end(), groups_[second].robots.begin(), groups_[second].robots.end());
     std::sort(robots.begin(), robots.end());
     groups_[first].path.reset();
@@ -402,6 +439,8 @@ class TeamSearch final : public Planner {
   std::set<std::size_t> blocking_;              ///< in order: robots that cannot wait at their starts any more
   std::set<std::pair<std::vector<std::size_t>, std::vector<std::size_t>>> passing_;  ///< pairs that were examined
   std::map<std::size_t, std::size_t> searches_;  ///< so far, by the number of their robots
+  std::unique_ptr<Timetable> timetable_;         ///< the search of when to move that has not ended
+  bool all_scheduled_ = false;                   ///< that of all groups has ended
   std::size_t joined_ = 0;                       ///< groups of several robots that were searched
   std::int64_t tries_left_;
   std::optional<Configurations> found_;
