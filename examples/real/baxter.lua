@@ -17,7 +17,7 @@ for i, level in ipairs { "easy", "medium", "hard" } do scenarios[i] = "bookshelf
 local planner = rrt_connect { step = 1, proposals = 10000000, seconds = 20, bound = 4 }
 local left = { "left_s0", "left_s1", "left_e0", "left_e1", "left_w0", "left_w1", "left_w2" }
 local hand = workspace { point = "left_hand" }
-local arm = joints { axes = left, planner = rrt_connect { step = 1 } }
+local arm = joints { axes = left }
 
 return experiment {
   problems   = bench.problems(baxter, "baxter", scenarios, function(i) return i % 30 ~= 1 end),

@@ -16,7 +16,7 @@ local function planner(bound)
   return rrt_connect { step = 1, proposals = 10000000, seconds = 20, bound = bound }
 end
 local hand = workspace { point = "gripper_link" }
-local arm = joints { first = 6, planner = rrt_connect { step = 1 } }
+local arm = joints { first = 6 }
 
 return experiment {
   problems   = bench.problems(fetch, "fetch", bench.scenarios, function(i) return i % 10 >= 5 end),

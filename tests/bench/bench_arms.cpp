@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The strategies of a script on many problems, in groups: those whose names begin alike, "cage/0001" and "cage/0003".
 //
-//   bench_arms SCRIPT.lua [--hard] [--points N RADIUS] [--states]
+//   bench_arms SCRIPT.lua [--hard] [--library FILE] [--moved DISTANCE] [--points N RADIUS] [--states]
 //
 // Prints for each strategy a line for each group: problems solved, median and 95th percentile of the CPU time of
 // planning and of the path's certificate, of validity checks over all levels and of the length; and of the checks and
 // the CPU time the median of the ratios to those of the first strategy on the same problem and seed. --hard: only
-// problems on which the first strategy needs more checks than on half of them. --points: the obstacles' surfaces are
+// problems on which the first strategy needs more checks than on half of them. --library: no planning; how far goals
+// are from the nearest end of a path in this library. --moved: each goal is moved so far in the metric, in a random
+// direction; problems for which 100 directions give no valid goal are left out. --points: the obstacles' surfaces are
 // sampled, uniformly, as a cloud of N points of this radius in metres; problems whose ends touch it are left out, and
 // the CPU time that its index takes is printed. --states: no planning; the CPU time of checks, of random configurations
-// and along random motions of length 1 from valid ones, for each number of obstacles.
+// and along random motions of length 1 from valid ones, for each number of obstacles; with --points, of a kd-tree too.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,13 +20,17 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <dsl/language/tools/session.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/memory/library.hpp>
+#include <trellis/planner/nearest.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -38,6 +44,8 @@ double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
 }
+
+std::string group_of(const trellis::Problem& problem) { return problem.name.substr(0, problem.name.find('/')); }
 
 struct Sample {
   bool solved = false;
@@ -107,11 +115,89 @@ trellis::Problem among_points(const trellis::Problem& problem, std::size_t count
   return made;
 }
 
+/// The problem with its goal moved in a random direction; none where no direction gives a valid goal.
+std::optional<trellis::Problem> with_goal_moved(const trellis::Problem& problem, double distance) {
+  using namespace trellis;
+  constexpr int tries = 100;
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  Stream stream(1, problem.name, "moved");
+  Problem made = problem;
+  Configuration by(problem.space.degrees());
+  for (int i = 0; i < tries; ++i) {
+    double squared = 0.0;
+    for (double& x : by) x = stream.normal(), squared += x * x;
+    for (double& x : by) x *= distance / std::sqrt(squared);
+    problem.space.exp(problem.goals.front(), by, made.goals.front());
+    problem.space.normalise(made.goals.front());
+    if (problem.space.contains(made.goals.front()) && checker->valid(made.goals.front())) return made;
+  }
+  return std::nullopt;
+}
+
+/// Prints for each group the median distance of a goal from the nearest end of a stored path.
+void print_distances(const trellis::Experiment& experiment, const std::string& library) {
+  using namespace trellis;
+  const auto stored = known_paths(library);
+  if (stored->empty()) throw std::invalid_argument("no paths in " + library);
+  std::map<std::string, std::vector<double>> nearest;
+  for (const Problem& problem : experiment.problems) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const StoredPath& path : *stored) {
+      if (path.path.dimension() != problem.space.dimension()) continue;
+      for (const View end : {path.path.front(), path.path.back()}) {
+        least = std::min(least, problem.space.distance(end, problem.goals.front()));
+      }
+    }
+    for (const std::string& group : {group_of(problem), std::string("all")}) nearest[group].push_back(least);
+  }
+  std::printf("%-24s %8s %8s %8s  to the nearest end of %zu paths\n", "group", "10 %", "median", "90 %",
+              stored->size());
+  for (const auto& [group, of] : nearest) {
+    std::printf("%-24s %8.2f %8.2f %8.2f\n", group.c_str(), quantile(of, 0.1), quantile(of, 0.5), quantile(of, 0.9));
+  }
+}
+
 struct States {
   double configurations = 0.0, configuration_us = 0.0;
   double states = 0.0, motion_us = 0.0;
   double motions = 0.0, valid = 0.0;
+  double tree_us = 0.0, tree_states = 0.0, tree_balls = 0.0;  ///< of a kd-tree of the cloud's points
 };
+
+/// Adds the queries of a kd-tree of the cloud's points that decide valid configurations: the nearest point of each
+/// ball.
+void check_by_tree(const trellis::ManipulatorScene& scene, const std::vector<trellis::Configuration>& free,
+                   States& sum) {
+  using namespace trellis;
+  const auto* cloud = std::get_if<std::shared_ptr<const PointCloud>>(&scene.world.obstacles().front().solid.shape);
+  if (cloud == nullptr) return;
+  NearestIndex tree(Space::euclidean({{-1e3, 1e3}, {-1e3, 1e3}, {-1e3, 1e3}}));
+  for (const Vec3& p : (*cloud)->points()) tree.add(std::array{p.x, p.y, p.z});
+  // Of each configuration's bodies: their bounding ball, then the others.
+  std::vector<std::vector<std::array<double, 4>>> bodies;
+  for (const Configuration& q : free) {
+    for (std::size_t body = 0; body < scene.robot.bodies().size(); ++body) {
+      auto& balls = bodies.emplace_back();
+      for (const BodySphere& ball : scene.robot.bodies()[body]) {
+        const Vec3 at = scene.robot.position({body, ball.centre}, q);
+        const double reach = ball.radius + (*cloud)->radius();
+        balls.push_back({at.x, at.y, at.z, reach * reach});
+      }
+    }
+  }
+  const auto met = [&](const std::array<double, 4>& ball) {
+    sum.tree_balls += 1.0;
+    return tree.nearest(View(ball).first(3)).squared_distance <= ball[3];
+  };
+  bool near = false;
+  const double begin = bench::cpu_seconds();
+  for (const auto& balls : bodies) {
+    if (!balls.empty() && met(balls.front())) near |= std::any_of(balls.begin() + 1, balls.end(), met);
+  }
+  sum.tree_us += 1e6 * (bench::cpu_seconds() - begin);
+  sum.tree_states += static_cast<double>(free.size());
+  if (near) throw std::logic_error("the kd-tree finds a ball of a valid configuration in collision");
+}
 
 /// Adds the checks of random configurations and motions.
 void check_states(const trellis::Problem& problem, States& sum) {
@@ -144,17 +230,29 @@ void check_states(const trellis::Problem& problem, States& sum) {
     sum.valid += report.valid ? 1.0 : 0.0;
   }
   sum.motion_us += 1e6 * (bench::cpu_seconds() - begin);
+  check_by_tree(*problem.scene->manipulator(), free, sum);
   sum.motions += static_cast<double>(free.size());
 }
 
-void print_states(const trellis::Experiment& experiment) {
+void print_states(const trellis::Experiment& experiment, std::size_t points, double radius) {
   std::map<std::size_t, States> all;
-  for (const trellis::Problem& problem : experiment.problems)
-    check_states(problem, all[problem.scene->obstacle_count()]);
-  std::printf("%9s %13s %12s %13s %12s\n", "obstacles", "ns a random", "ns a state", "us a motion", "valid share");
+  for (const trellis::Problem& problem : experiment.problems) {
+    if (points == 0) {
+      check_states(problem, all[problem.scene->obstacle_count()]);
+    } else {
+      check_states(among_points(problem, points, radius), all[points]);
+    }
+  }
+  std::printf("%9s %13s %12s %13s %12s\n", points == 0 ? "obstacles" : "points", "ns a random", "ns a state",
+              "us a motion", "valid share");
   for (const auto& [obstacles, s] : all) {
     std::printf("%9zu %13.0f %12.0f %13.2f %12.2f\n", obstacles, 1e3 * s.configuration_us / s.configurations,
                 1e3 * s.motion_us / s.states, s.motion_us / s.motions, s.valid / s.motions);
+    if (s.tree_states == 0.0) continue;
+    std::printf(
+        "kd-tree of the points, nearest neighbours of valid configurations' balls: %.0f ns a configuration, "
+        "%.0f ns a query\n",
+        1e3 * s.tree_us / s.tree_states, 1e3 * s.tree_us / s.tree_balls);
   }
 }
 
@@ -169,17 +267,25 @@ int main(int count, char** arguments) {
     bool states = false;
     std::size_t points = 0;
     double radius = 0.0;
+    double moved = 0.0;
+    std::string library;
     for (std::size_t i = 1; i < given.size(); ++i) {
       if (given[i] == "--hard") {
         hard = true;
       } else if (given[i] == "--states") {
         states = true;
+      } else if (given[i] == "--library" && i + 1 < given.size()) {
+        library = given[++i];
+      } else if (given[i] == "--moved" && i + 1 < given.size()) {
+        moved = std::stod(given[++i]);
       } else if (given[i] == "--points" && i + 2 < given.size()) {
         points = std::stoul(given[i + 1]);
         radius = std::stod(given[i + 2]);
         i += 2;
       } else {
-        throw std::invalid_argument("the options are --hard, --points N RADIUS and --states, got " + given[i]);
+        throw std::invalid_argument(
+            "the options are --hard, --library FILE, --moved DISTANCE, --points N RADIUS and --states, got " +
+            given[i]);
       }
     }
     std::vector<double> index_us;
@@ -187,13 +293,22 @@ int main(int count, char** arguments) {
     const dsl::Program program = dsl::load_script(given[0]);
     const Experiment& experiment = program.experiment;
     if (states) {
-      print_states(experiment);
+      print_states(experiment, points, radius);
+      return 0;
+    }
+    if (!library.empty()) {
+      print_distances(experiment, library);
       return 0;
     }
     std::vector<std::string> groups;
     std::vector<std::vector<Sample>> all(experiment.strategies.size());
     for (const Problem& given_problem : experiment.problems) {
-      const Problem problem = points > 0 ? among_points(given_problem, points, radius) : given_problem;
+      Problem problem = points > 0 ? among_points(given_problem, points, radius) : given_problem;
+      if (moved > 0.0) {
+        const auto with_other_goal = with_goal_moved(problem, moved);
+        if (!with_other_goal) continue;
+        problem = *with_other_goal;
+      }
       if (points > 0) {
         const double before = bench::cpu_seconds();
         const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
@@ -204,7 +319,7 @@ int main(int count, char** arguments) {
         }
       }
       for (const std::uint64_t seed : experiment.seeds) {
-        groups.push_back(problem.name.substr(0, problem.name.find('/')));
+        groups.push_back(group_of(problem));
         for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
           const double before = bench::cpu_seconds();
           const RunRecord run = execute(experiment.strategies[s].second, problem, seed);

@@ -1,6 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Texts and patterns, and what Lua's own functions make of them. Prints the same under `lua5.4` and as a script of
--- Trellis: golden/patterns.txt holds what lua5.4 5.4.4 printed.
+-- Texts and patterns, and what the functions of strings make of them: the same in Lua and as a script of Trellis.
 local state = 12345
 local function random(n)
   state = (state * 1103515245 + 12345) % 2147483648

@@ -172,10 +172,9 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
   }
 }
 
-TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each row", "[report][golden]") {
+TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each row", "[report]") {
   const auto [experiment, result] = published();
   const std::string text = latex(report_markdown(experiment, result, summarise(experiment, result)));
-  test::check_golden("table.tex", text);
   const auto count = [&](const std::string& part) {
     std::size_t n = 0;
     for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;

@@ -188,3 +188,17 @@ TEST_CASE("each guide that works in space guides a manipulator", "[robot][guide]
     CHECK(run.solved);
   }
 }
+
+TEST_CASE("a guide searches its space for an arm with two trees, unless it or a script names a planner",
+          "[robot][guide]") {
+  const Problem problem = problem_of(world_with({ball({0.5, 0.6, 0.7}, 0.15)}), six_arm());
+  const PlannerSpec root = PlannerSpec::make("rrt_connect", {{"bound", 0.0}});
+  const GuideSpec smaller = GuideSpec::make("shrink", {});
+  const GuideSpec hand = GuideSpec::make("workspace", {});
+  const auto inner = [&](const StrategySpec& strategy) { return execute(strategy, problem, 1).levels.at(1).planner; };
+  CHECK(inner(smaller >> root) == "rrt_connect");
+  CHECK(inner(hand >> smaller >> root) == "rrt_connect");
+  CHECK(inner(hand >> GuideSpec::make("lazy", {}) >> root) == "rrt");
+  CHECK(inner(hand >> root) == "graph_search");
+  CHECK(inner(GuideSpec::make("shrink", {}, PlannerSpec::make("rrt", {})) >> root) == "rrt");
+}

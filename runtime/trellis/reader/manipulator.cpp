@@ -129,7 +129,14 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
     warnings.insert(warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   }
   const std::vector<std::size_t> moving = moving_joints(files, tree, srdf);
-  const Manipulator robot(tree, moving, values_of(files, tree, moving));
+  const Manipulator robot = [&] {
+    const auto values = values_of(files, tree, moving);
+    try {
+      return Manipulator(tree, moving, values);
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}", files.urdf, e.what()));
+    }
+  }();
   SphereModel::Pairs may_touch;
   if (!files.self_collision) {
     may_touch = all_pairs(tree.links().size());

@@ -55,17 +55,24 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   ComponentGuidance(const ComponentGuidance&) = delete;
   ComponentGuidance& operator=(const ComponentGuidance&) = delete;
 
-  /// The planner of the level below. A default planner must suit the instance: with a motion model it is kinodynamic,
-  /// with the options that the guide sets for a guided search. It takes its lengths from the levels above.
+  /// The planner of the level below. A default planner suits the instance: with a motion model it is kinodynamic, and
+  /// for an arm two trees replace one, which seldom finds a path there. It has the options that the guide sets for a
+  /// guided search, and takes its lengths from the levels above.
   static PlannerSpec planner_for(const GuideSpec& spec, const Instance& sub,
                                  const std::vector<const PlannerSpec*>& above) {
-    if (spec.planner_given()) return *spec.planner();
-    const bool kinodynamic = find_planner(spec.planner()->name())->kinodynamic;
-    if (kinodynamic || sub.graph || !sub.motion_model) return with_lengths_of(above, *spec.planner());
-    const bool guided = spec.below() != nullptr && !spec.custom();
-    return with_lengths_of(above,
-                           PlannerSpec::make("kinodynamic_rrt", guided ? find_guide(spec.name())->guided_planner.options
-                                                                       : std::vector<Options::Entry>{}));
+    const PlannerSpec& standard = *spec.planner();
+    if (spec.planner_given()) return standard;
+    const auto in_place_of_it = [&](const char* name) {
+      const bool guided = spec.below() != nullptr && !spec.custom();
+      return with_lengths_of(above, PlannerSpec::make(name, guided ? find_guide(spec.name())->guided_planner.options
+                                                                   : std::vector<Options::Entry>{}));
+    };
+    const bool driven = sub.motion_model != nullptr && !sub.graph;
+    if (driven && !find_planner(standard.name())->kinodynamic) return in_place_of_it("kinodynamic_rrt");
+    const bool arm = sub.scene != nullptr && sub.scene->manipulator() != nullptr;
+    const bool standing = spec.custom() || find_guide(spec.name())->default_planner == standard.name();
+    if (arm && standing && !driven && standard.name() == "rrt") return in_place_of_it("rrt_connect");
+    return with_lengths_of(above, standard);
   }
   /// The planners of this guide's level and of those above it, the root's first.
   [[nodiscard]] std::vector<const PlannerSpec*> planners_above() const {
