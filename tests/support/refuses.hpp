@@ -19,6 +19,7 @@ inline bool refuses(const GuideKind& above, const GuideKind& guided, const Probl
       return sub->position_axes.size() != 2 && !std::holds_alternative<ArmChain>(arm_chain(*sub));
     case GuideClaims::Needs::position_axes: return sub->position_axes.size() != 2;
     case GuideClaims::Needs::robot_axes: return static_cast<bool>(sub->validity_of);
+    case GuideClaims::Needs::team: return sub->scene->members().size() < 2;
   }
   return false;
 }

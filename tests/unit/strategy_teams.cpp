@@ -251,12 +251,10 @@ TEST_CASE("every guide guides a divided team, and is guided by one, or says in a
     if (name == "experience" || name == "path_database") options.emplace_back("db", std::string("none.db"));
     const GuideSpec guide = GuideSpec::make(name, options);
     for (const char* division : {"team", "decouple", "prioritise", "couple"}) {
-      for (const GuideSpec& both : {guide >> GuideSpec::make(division, {}), GuideSpec::make(division, {}) >> guide,
-                                    guide + GuideSpec::make(division, {})}) {
-        if (!GuideSpec::make(name, options).searches() && both.kind() == GuideSpec::Kind::component &&
-            both.name() == name) {
-          continue;
-        }
+      const GuideSpec team = GuideSpec::make(division, {});
+      std::vector<GuideSpec> pairs = {guide >> team, guide + team};
+      if (guide.searches()) pairs.push_back(team >> guide);
+      for (const GuideSpec& both : pairs) {
         CAPTURE(both.text());
         try {
           const RunRecord run = execute(both >> planner, problem, 1);
