@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -675,6 +676,55 @@ TEST_CASE("what a function leaves behind reaches no other run, and any number of
     CHECK(all(run.levels[1].search.proposals) == one[1]);
   }
   CHECK(one[0] != one[2]);
+}
+
+TEST_CASE("runs whose records call no function of the script share its interpreter while they wait for scores") {
+  // The ball's x is from the address of a table of the script, which names the interpreter.
+  const std::string named = script(
+      "local here = {}\n"
+      "local half = guiding_space { name = 'half', space = {'x', 'y'}, robot = robot.point(),\n"
+      "  heuristic = function(found) return lifted(along(found.path)) end }\n"
+      "local g = guiding_space { name = 'ball', space = {}, heuristic = function()\n"
+      "  local address = tonumber(tostring(here):match('0x(%x+)'), 16)\n"
+      "  return ball({2 + address // 16 % 1000000 / 1e6, 9, 3}, 1e-8) end }",
+      "(half + g) >> rrt { bound = 0 }");
+  const Experiment experiment = load(named).experiment;
+  std::set<double> interpreters;
+  std::vector<RunRecord> runs;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    runs.push_back(execute(experiment.strategies[0].second, experiment.problems[0], seed));
+    const Configurations& proposals = runs.back().levels[0].search.proposals;
+    for (std::size_t i = 0; i < proposals.size(); ++i) {
+      const View q = proposals[i];
+      if (std::abs(q[1] - 9.0) + std::abs(q[2] - 3.0) < 1e-7) interpreters.insert(std::round(q[0] * 1e6));
+    }
+  }
+  CHECK(interpreters.size() == 1);
+  for (const RunRecord& run : runs) {
+    REQUIRE(run.levels.size() == 2);
+    CHECK(run.levels[0].proposal_density(Configuration{5, 8, 0}) > 0.0);
+    CHECK(run.levels[1].root_proposal_density(Configuration{5, 9, 1}) > 0.0);
+  }
+}
+
+TEST_CASE("the density of a run has the state that this run left") {
+  const Experiment experiment =
+      load(script("local n = 0\n"
+                  "local g = guiding_space { name = 'counting', space = {}, heuristic = function()\n"
+                  "  return function(random) n = n + 1 return 10 * random(), 10 * random(), 0 end,\n"
+                  "    function() return 1 + n end end }",
+                  "g >> rrt { bound = 0 }"))
+          .experiment;
+  const auto run = [&](std::uint64_t seed) {
+    return execute(experiment.strategies[0].second, experiment.problems[0], seed);
+  };
+  const Configuration q{5, 8, 0};
+  const RunRecord first = run(1);
+  const double density = first.levels[0].proposal_density(q);
+  const RunRecord second = run(2);
+  CHECK(second.levels[0].proposal_density(q) != density);
+  CHECK(first.levels[0].proposal_density(q) == density);
+  CHECK(run(1).levels[0].proposal_density(q) == density);
 }
 
 TEST_CASE("a snapshot shows whether a call changed a value that functions of the script can reach") {

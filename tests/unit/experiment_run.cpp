@@ -141,6 +141,21 @@ TEST_CASE("measuring does not change a run", "[experiment]") {
   }
 }
 
+TEST_CASE("the thread that plans a run finds the obstacles that rejected its proposals", "[experiment]") {
+  const Experiment experiment = small();
+  std::size_t rejected = 0;
+  for (const RunResult& cell : run(experiment).runs) {
+    for (const LevelResult& level : cell.levels) {
+      const Rejections again = rejections(level.record, experiment.problems.front().resolution);
+      REQUIRE(level.rejections);
+      CHECK(level.rejections->rejected == again.rejected);
+      CHECK(level.rejections->by == again.by);
+      rejected += again.rejected;
+    }
+  }
+  CHECK(rejected > 0);
+}
+
 TEST_CASE("an unsolved run has no target", "[experiment]") {
   Experiment experiment = small();
   experiment.problems = {passage("narrow", 1.0)};

@@ -540,7 +540,6 @@ std::shared_ptr<RunInterpreter> Reload::interpreter() const {
     }
   }
   if (!loaded) {
-    ++loads_;
     const LuaTimer timer;
     auto run = load_();
     if (!reuse_) return run;

@@ -98,8 +98,6 @@ class Reload : public std::enable_shared_from_this<Reload> {
 
   /// Thread-safe.
   [[nodiscard]] std::shared_ptr<RunInterpreter> interpreter() const;
-  /// The number of times that the script was loaded.
-  [[nodiscard]] std::size_t loads() const { return loads_.load(); }
 
  private:
   struct Loaded;
@@ -107,7 +105,6 @@ class Reload : public std::enable_shared_from_this<Reload> {
 
   std::function<std::shared_ptr<RunInterpreter>()> load_;
   bool reuse_;
-  mutable std::atomic<std::size_t> loads_{0};
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<Loaded>> idle_;  ///< guarded by the mutex
 };

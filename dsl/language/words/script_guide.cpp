@@ -558,6 +558,7 @@ class ScriptGuide final : public Guide, public Repairs {
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
   [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
   [[nodiscard]] bool closed_fibre() const override { return projection_->closed_form(); }
+  [[nodiscard]] std::shared_ptr<const Projection> shared_projection() const override { return projection_; }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
   void learn(const Outcome& outcome) override;
   void restart() override;

@@ -290,6 +290,8 @@ class Runner {
         if (cell.seed == experiment_.seeds.front()) {
           check_unused_guides(cell.strategy.second, cell.problem, run.run);
         }
+        // Outside of the run's time. Summaries have one thread.
+        for (LevelResult& level : run.levels) level.rejections = rejections(level.record, cell.problem.resolution);
         if (store_ != nullptr) store_->planned(run);
         if (!experiment_.measure) release(run);
         result_.runs[index] = std::move(run);
@@ -444,9 +446,7 @@ void forget_scores(ExperimentResult& result) {
   for (RunResult& run : result.runs) {
     run.target = {};
     for (LevelResult& level : run.levels) {
-      LevelRecord record = std::move(level.record);
-      level = {};
-      level.record = std::move(record);
+      level = {.record = std::move(level.record), .rejections = std::move(level.rejections)};
     }
     release(run);
   }

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include <trellis/experiment/rejections.hpp>
 #include <trellis/experiment/search_metrics.hpp>
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/efficiency.hpp>
@@ -161,6 +162,7 @@ struct LevelResult {
   std::optional<Scores> uniform = {};
   static constexpr std::size_t most_references = 1000;
   std::optional<SearchMetrics> metrics = {};
+  std::optional<Rejections> rejections = {};  ///< computed by the thread that planned; none: in summaries
 };
 
 /// One cell: a problem, a strategy, a seed.

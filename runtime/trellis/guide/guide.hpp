@@ -15,6 +15,8 @@
 
 namespace trellis {
 
+class Projection;
+
 /// h of a guide whose space has been solved: a distribution that may request a new solve of its instance.
 class Heuristic : public Guidance {
  public:
@@ -154,6 +156,9 @@ class Guide {
   virtual void attach(Instance& sub) { static_cast<void>(sub); }
   /// Whether log_fibre_density is known and gives the density of lifted samples for any density over S.
   [[nodiscard]] virtual bool closed_fibre() const { return true; }
+  /// f as an object that remains valid after the guide. A record of the run uses it in place of the guide, which then
+  /// ends with the run and releases what else it owns. nullptr: the record keeps the guide.
+  [[nodiscard]] virtual std::shared_ptr<const Projection> shared_projection() const { return nullptr; }
   /// Whether f depends on what is known about C. Then `project_from` is called in place of `project`, and again before
   /// S is solved again because h is stale, and when the guide's turn in a sequence or a schedule comes after new
   /// samples.

@@ -582,7 +582,7 @@ void add_rejections(const Experiment& experiment, const std::vector<const RunRes
       if (problem == experiment.problems.end()) continue;
       for (const LevelResult& one : run->levels) {
         if (one.record.key != level.key) continue;
-        const Rejections found = rejections(one.record, problem->resolution);
+        const Rejections found = one.rejections ? *one.rejections : rejections(one.record, problem->resolution);
         level.rejections.proposals += one.record.search.proposals.size();
         level.rejections.rejected += found.rejected;
         level.rejections.examined += found.examined;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <trellis/guide/excluded.hpp>
+#include <trellis/guide/lifted.hpp>
 #include <trellis/guide/set_up.hpp>
 #include <trellis/instance/certified_validity.hpp>
 #include <trellis/planner/loop.hpp>
@@ -387,13 +388,20 @@ bool Level::closed_fibres() const {
 }
 
 std::function<double(View)> Level::lifted(std::function<double(View)> density) const {
-  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
-    density = [density = std::move(density), f = at->lift_,
-               s = Configuration(at->instance_->space.dimension())](View q) mutable {
+  const auto through = [&](auto f, std::size_t dimension) {
+    return [density = std::move(density), f = std::move(f), s = Configuration(dimension)](View q) mutable {
       f->project(q, s);
       const double p = density(s);
       return p > 0.0 ? p * std::exp(f->log_fibre_density(q)) : p;
     };
+  };
+  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+    const std::size_t dimension = at->instance_->space.dimension();
+    if (auto f = at->lift_->shared_projection()) {
+      density = through(std::move(f), dimension);
+    } else {
+      density = through(at->lift_, dimension);
+    }
   }
   return density;
 }
