@@ -226,7 +226,8 @@ Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
     }
     sketch.starts.push_back(at(record.start, robot));
     sketch.goals.push_back(at(record.goal, robot));
-    if (const Scene* root = run.result().levels.front().record.scene.get(); root && root->members().size() > 1) {
+    if (const Scene* root = run.result().levels.front().record.scene.get();
+        root != nullptr && root->members().size() > 1) {
       sketch.colours.push_back(draw::palette::robot(robot < traces.size() ? traces[robot].robot : robot));
     }
   }
