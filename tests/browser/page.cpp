@@ -536,3 +536,51 @@ return experiment { problems = {slot}, strategies = { rrt_connect = planner, nes
            "--window-size=1400,1900 --screenshot='" + std::string(screenshots) + "/space.png'");
   }
 }
+
+TEST_CASE("the page moves all robots of a team, each in its colour", "[browser][slow]") {
+  if (!browser_is_here()) return;
+  const Place place;
+  place.script("script.lua", R"(
+return experiment {
+  problems = { problem { name = "team", world = world { bounds = {0, 0, 10, 10} },
+                         robot = robots { robot.disc(1), robot.disc(1), robot.rectangle(2, 1) },
+                         start = { {2, 2}, {8, 2}, {2, 8, 0} }, goal = { {2, 5}, {8, 8}, {5, 8, 0} } } },
+  strategies = { { "one by one", prioritise() >> rrt_connect {} } },
+  seeds = 1,
+  measure = false,
+}
+)");
+  const auto outcome = place.run({"run", "script.lua", "--quiet", "--html", "report.html"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  // Whether a place of the world, which is 10 x 10, has a colour that is nearer to one of a robot than to the others.
+  const std::string look = R"(
+    const canvas = document.getElementById('canvas'), box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
+    const scale = Math.min(box.width - 16, box.height - 16) / 10;
+    const robots = [[0, 114, 178], [213, 94, 0], [0, 158, 115]];
+    const at = (x, y) => {
+      const c = [box.width / 2 + (x - 5) * scale, box.height / 2 - (y - 5) * scale].map(v => Math.round(v * ratio));
+      const d = canvas.getContext('2d').getImageData(c[0], c[1], 1, 1).data;
+      if (d[0] > 225 && d[1] > 225 && d[2] > 225) return '-';
+      const far = robots.map(r => Math.hypot(r[0] - d[0], r[1] - d[1], r[2] - d[2]));
+      return String(far.indexOf(Math.min(...far)) + 1);
+    };
+    // Beside the number and the path of each robot.
+    view.dataset.starts = at(1.5, 1.5) + at(8.5, 1.5) + at(1.4, 7.7);
+    view.dataset.goals = at(1.5, 4.6) + at(8.5, 8.4) + at(5.6, 7.7);)";
+  const std::string hover = look + R"(
+    const middle = {clientX: box.left + box.width / 2 + 3 * scale, clientY: box.top + box.height / 2 + 3 * scale, bubbles: true};
+    canvas.dispatchEvent(new PointerEvent('pointermove', middle));)";
+  auto shown = perform(place, {{"start", "layers=0:path", look},
+                               {"end", "layers=0:path&along=1000", look},
+                               {"half", "layers=0:path&along=500", look},
+                               {"over the second", "layers=0:tree", hover},
+                               {"of one robot", "select=2:tree:0"}});
+  CHECK(shown["start"]["starts"] == "123");
+  CHECK(shown["start"]["goals"] == "---");
+  CHECK(shown["end"]["goals"] == "123");
+  CHECK(shown["half"]["along"] == "500");
+  CHECK(shown["half"]["starts"] != "123");
+  CHECK_THAT(shown["over the second"].tip, Catch::Matchers::Contains("root"));
+  CHECK(shown["of one robot"]["sampleLevel"] == "robot 1");
+}

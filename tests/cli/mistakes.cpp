@@ -285,3 +285,30 @@ TEST_CASE("check draws a few samples where functions of the script guide") {
   CHECK_THAT(outcome.err, Contains("few.lua:1: in mine >> rrt") && Contains("what the function that draws returns"));
   CHECK(lines_of(outcome.err) == 1);
 }
+
+TEST_CASE("what is wrong with a team names its robots") {
+  const Place place;
+  const auto fault = [&](const std::string& strategy, const std::string& start, const std::string& goal) {
+    place.script("team.lua",
+                 "local p = problem { name = 'four', world = world { bounds = {0, 0, 10, 10}, box {4, 4, 6, 6, name = "
+                 "'block'} }, robot = robots { robot.disc(0.5), count = 4 }, start = " +
+                     start + ", goal = " + goal + " }\nreturn experiment { problems = p, strategies = { a = " +
+                     strategy + " }, seeds = 1, measure = false }\n");
+    const auto run = place.run({"run", "team.lua", "--quiet"});
+    CHECK(run.status == 2);
+    return run.err;
+  };
+  const std::string start = "{ {1, 1}, {3, 1}, {5, 1}, {7, 1} }";
+  const std::string goal = "{ {1, 9}, {3, 9}, {5, 9}, {7, 9} }";
+  CHECK_THAT(fault("rrt_connect {}", "{ {1, 1}, {3, 1}, {5, 1}, {1.5, 1} }", goal),
+             Contains("problem 'four': start (1, 1, 3, 1, 5, 1, 1.5, 1): robot 1 meets robot 4; a valid"));
+  CHECK_THAT(fault("rrt_connect {}", start, "{ {1, 9}, {3, 9}, {3.5, 9}, {7, 9} }"),
+             Contains("goal (1, 9, 3, 9, 3.5, 9, 7, 9): robot 2 meets robot 3; a valid"));
+  CHECK_THAT(fault("rrt_connect {}", "{ {1, 1}, {3, 1}, {5, 5}, {7, 1} }", goal),
+             Contains("): robot 3 is in collision with obstacle 1 (block); a valid"));
+  CHECK_THAT(fault("skeleton() >> rrt_connect {}", start, goal),
+             Contains("skeleton: '4 robots (disc)' is a team, which has no position of its own") &&
+                 Contains("below team, decouple or prioritise"));
+  CHECK_THAT(fault("team { 9 } >> rrt_connect {}", start, goal),
+             Contains("team: no robot 9 in the team, which has 1, 2, 3, 4"));
+}

@@ -455,6 +455,29 @@ TEST_CASE("a run in space is drawn as edges from a corner, and written as a pict
   CHECK(content(place / "turned.svg") != content(place / "hall.svg"));
 }
 
+TEST_CASE("plot draws each robot of a team with its start, goal and path") {
+  const Place place;
+  const Piped piped = pipe(place,
+                           "r = problem { world = world { bounds = {0, 0, 10, 10} }, robot = robots { "
+                           "robot.disc(0.5), count = 3 }, start = { {1, 1}, {5, 1}, {9, 1} }, goal = { {1, 9}, {5, 9}, "
+                           "{9, 9} } }\n"
+                           "planned = plan(prioritise() >> rrt_connect {}, r)\n"
+                           "plot()\n"
+                           "plot 'team.svg'\n"
+                           "plot(2)\n");
+  CHECK(piped.err.empty());
+  const std::size_t begin = piped.out.find("┌");
+  REQUIRE(begin != std::string::npos);
+  const std::string first = piped.out.substr(begin, piped.out.find("level 0", begin) - begin);
+  CHECK(std::count(first.begin(), first.end(), 'S') == 3);
+  CHECK(std::count(first.begin(), first.end(), 'G') == 3);
+  CHECK_THAT(piped.out, Contains("level 2, robot 1: "));
+  // The colours of the three paths.
+  const std::string svg = content(place / "team.svg");
+  for (const char* colour : {"rgb(0%,44.705882%", "rgb(83.529412%", "rgb(0%,61.960784%"})
+    CHECK_THAT(svg, Contains(colour));
+}
+
 TEST_CASE("a view of plot is one of a problem in space, in degrees") {
   const Place place;
   const auto error = [&](const std::string& call) {

@@ -27,7 +27,7 @@ TEST_CASE("a name is completed to globals, keywords and the names of the session
   CHECK(next("shr") == Words{"shrink"});
   CHECK(next("local g = skel") == Words{"skeleton"});
   CHECK(next("ret") == Words{"return"});
-  CHECK(next("rob") == Words{"robot"});
+  CHECK(next("rob") == Words{"robot", "robots"});
   // After `>>` come guides and planners, and functions that return one.
   CHECK(next("skeleton() >> sc") == Words{"schedule"});
   CHECK(offers("skeleton() >> ", "rrt"));

@@ -18,9 +18,11 @@
 #include <trellis/draw/braille.hpp>
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/page.hpp>
+#include <trellis/draw/palette.hpp>
 #include <trellis/draw/spatial.hpp>
 #include <trellis/draw/worlds.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/figures/traces.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/visit.hpp>
@@ -42,10 +44,11 @@ struct Sketch {
   std::vector<std::vector<Point>> robots;  ///< the robot's parts at start and goal
   std::vector<std::pair<Point, Point>> edges;
   std::vector<Point> nodes;
-  std::vector<Point> failed;  ///< proposals without a node
-  std::vector<Point> path;
-  Point start;
-  Point goal;
+  std::vector<Point> failed;              ///< proposals without a node
+  std::vector<std::vector<Point>> paths;  ///< of each robot
+  std::vector<Point> starts;
+  std::vector<Point> goals;
+  std::vector<draw::Colour> colours;  ///< of the robots of a team
   std::string caption;
 };
 
@@ -81,13 +84,14 @@ std::string counted(std::size_t n, const std::string& noun) {
 }
 
 /// Adds the world of the plane, and the robot at start and goal.
-void add_world(const LevelRecord& record, Sketch& sketch) {
+/// \param first  the coordinate at which those of the robot begin
+void add_world(const LevelRecord& record, std::size_t first, Sketch& sketch) {
   sketch.bounds = planar(*record.scene).world.bounds();
   for (const auto& part : planar(*record.scene).world.parts()) sketch.obstacles.push_back(outline(part.shape, {}));
   const Robot& robot = planar(*record.scene).robot;
   if (record.space.dimension() >= robot.dimension() && !robot.is_point()) {
-    add_robot(robot, record.start, sketch.robots);
-    add_robot(robot, record.goal, sketch.robots);
+    add_robot(robot, View(record.start).subspan(first), sketch.robots);
+    add_robot(robot, View(record.goal).subspan(first), sketch.robots);
   }
 }
 
@@ -173,9 +177,9 @@ class Viewpoint {
 
 Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
   const LevelRecord& record = run.result().levels.at(level).record;
-  const auto& axes = record.position_axes;
+  const std::vector<Trace> traces = traces_of(run.result().levels, level);
   const bool in_space = has_positions(record);
-  if (!in_space && (axes.size() < 2 || record.scene == nullptr || record.scene->planar() == nullptr)) {
+  if (!in_space && (traces.empty() || record.scene == nullptr || record.scene->planar() == nullptr)) {
     throw Error(fmt::format("plot: level {}, {}, has no position in the plane or in space", level, record.name));
   }
   if (!in_space && (from.azimuth || from.elevation)) {
@@ -183,36 +187,54 @@ Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
   }
   std::optional<Viewpoint> view;
   if (in_space) view.emplace(*spatial_world(*record.scene), from);
-  const auto at = [&](View q) { return view ? (*view)(position_in(record, q)) : Point{q[axes[0]], q[axes[1]]}; };
+  const std::size_t robots = in_space ? positions_in(record, record.start).size() : traces.size();
+  const auto at = [&](View q, std::size_t robot) {
+    if (view) return (*view)(positions_in(record, q)[robot]);
+    return Point{q[traces[robot].axes[0]], q[traces[robot].axes[1]]};
+  };
   Sketch sketch;
   if (view) {
     view->add_world(record, sketch);
   } else {
-    add_world(record, sketch);
+    add_world(record, first_coordinate(run.result().levels, level), sketch);
   }
   const Search& search = record.search;
   const std::size_t nodes = search.nodes.size();
-  sketch.nodes.reserve(nodes);
-  for (std::size_t i = 0; i < nodes; ++i) {
-    sketch.nodes.push_back(at(search.nodes[i]));
-    const std::uint32_t parent = i < search.parents.size() ? search.parents[i] : no_node;
-    if (parent != no_node && parent != i) sketch.edges.emplace_back(at(search.nodes[parent]), sketch.nodes.back());
+  std::size_t failed = 0;
+  for (std::size_t robot = 0; robot < robots; ++robot) {
+    for (std::size_t i = 0; i < nodes; ++i) {
+      sketch.nodes.push_back(at(search.nodes[i], robot));
+      const std::uint32_t parent = i < search.parents.size() ? search.parents[i] : no_node;
+      if (parent != no_node && parent != i) {
+        sketch.edges.emplace_back(at(search.nodes[parent], robot), sketch.nodes.back());
+      }
+    }
+    for (const auto& [a, b] : search.edges) {
+      sketch.edges.emplace_back(at(search.nodes[a], robot), at(search.nodes[b], robot));
+    }
+    failed = 0;
+    for (std::size_t i = 0; i < search.proposals.size(); ++i) {
+      if (i < search.fates.size() && search.fates[i] != Fate::rejected) continue;
+      sketch.failed.push_back(at(search.proposals[i], robot));
+      ++failed;
+    }
+    if (record.solution.solved()) {
+      std::vector<Point>& path = sketch.paths.emplace_back();
+      for (std::size_t i = 0; i < record.solution.path.size(); ++i) {
+        path.push_back(at(record.solution.path[i], robot));
+      }
+    }
+    sketch.starts.push_back(at(record.start, robot));
+    sketch.goals.push_back(at(record.goal, robot));
+    if (const Scene* root = run.result().levels.front().record.scene.get();
+        root != nullptr && root->members().size() > 1) {
+      sketch.colours.push_back(draw::palette::robot(robot < traces.size() ? traces[robot].robot : robot));
+    }
   }
-  for (const auto& [a, b] : search.edges) sketch.edges.emplace_back(at(search.nodes[a]), at(search.nodes[b]));
-  for (std::size_t i = 0; i < search.proposals.size(); ++i) {
-    if (i < search.fates.size() && search.fates[i] != Fate::rejected) continue;
-    sketch.failed.push_back(at(search.proposals[i]));
-  }
-  const Configurations& path = record.solution.path;
-  if (record.solution.solved()) {
-    sketch.path.reserve(path.size());
-    for (std::size_t i = 0; i < path.size(); ++i) sketch.path.push_back(at(path[i]));
-  }
-  sketch.start = at(record.start);
-  sketch.goal = at(record.goal);
-  sketch.caption = fmt::format("level {}, {}: {}, {} of {} led to none{}", level, record.name, counted(nodes, "node"),
-                               sketch.failed.size(), counted(search.proposals.size(), "proposal"),
-                               sketch.path.empty() ? "" : fmt::format(", a path of {}", counted(path.size(), "point")));
+  sketch.caption = fmt::format(
+      "level {}, {}: {}, {} of {} led to none{}", level, record.name, counted(nodes, "node"), failed,
+      counted(search.proposals.size(), "proposal"),
+      sketch.paths.empty() ? "" : fmt::format(", a path of {}", counted(record.solution.path.size(), "point")));
   if (view) sketch.caption += view->text();
   return sketch;
 }
@@ -225,6 +247,13 @@ constexpr draw::Ink256 wire_ink = {.colour = 246, .rank = -1};
 constexpr draw::Ink256 failed_ink = {.colour = 172, .rank = 1};
 constexpr draw::Ink256 tree_ink = {.colour = 33, .rank = 2};
 constexpr draw::Ink256 path_ink = {.colour = 203, .rank = 3, .alone = true};
+/// Paths of the robots of a team that are beside each other differ.
+constexpr draw::Ink256 path_ink_of(std::size_t robot) {
+  constexpr std::array colours = {203, 114, 221, 141, 80, 208};
+  draw::Ink256 ink = path_ink;
+  ink.colour = colours[robot % colours.size()];
+  return ink;
+}
 constexpr draw::Ink256 robot_ink = {.colour = 36, .rank = 4};
 constexpr draw::Ink256 end_ink = {.colour = 15, .rank = 5};
 
@@ -279,8 +308,9 @@ std::string plot_text(const Run& run, std::size_t level, const Screen& screen, c
   for (const Point p : sketch.nodes) picture.dot(at(p), tree_ink);
   for (const auto& part : sketch.robots) closed(part, robot_ink);
   for (const auto& [a, b] : sketch.ends) picture.line(at(a), at(b), robot_ink);
-  for (std::size_t i = 0; i + 1 < sketch.path.size(); ++i) {
-    picture.line(at(sketch.path[i]), at(sketch.path[i + 1]), path_ink);
+  for (std::size_t robot = 0; robot < sketch.paths.size(); ++robot) {
+    const std::vector<Point>& path = sketch.paths[robot];
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) picture.line(at(path[i]), at(path[i + 1]), path_ink_of(robot));
   }
   for (const auto& [p, letter] : sketch.letters) {
     const Point dot = at(p);
@@ -288,8 +318,8 @@ std::string plot_text(const Run& run, std::size_t level, const Screen& screen, c
                     std::clamp(dot.y, 0.0, static_cast<double>(picture.height()) - 1.0)},
                    letter, box_ink);
   }
-  picture.letter(at(sketch.start), 'S', end_ink);
-  picture.letter(at(sketch.goal), 'G', end_ink);
+  for (const Point p : sketch.starts) picture.letter(at(p), 'S', end_ink);
+  for (const Point p : sketch.goals) picture.letter(at(p), 'G', end_ink);
 
   std::string edge;
   for (std::size_t i = 0; i < across; ++i) edge += "─";
@@ -316,9 +346,7 @@ namespace {
 /// Returns a level of a run in space as a picture.
 draw::Canvas spatial_picture(const Run& run, std::size_t level, const PlotView& view) {
   const LevelRecord& record = run.result().levels.at(level).record;
-  const auto at = [&](View q) {
-    return draw::Point3{q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
-  };
+  const auto at = [&](View q) { return position_in(record, q); };
   Problem problem;
   problem.scene = record.scene;
   const bool stands = record.space.dimension() >= record.scene->robot_dimension();
@@ -346,9 +374,11 @@ draw::Canvas spatial_picture(const Run& run, std::size_t level, const PlotView& 
   }
   const Configurations& path = record.solution.path;
   if (record.solution.solved()) {
-    std::vector<draw::Point3> curve;
-    for (std::size_t i = 0; i < path.size(); ++i) curve.push_back(at(path[i]));
-    panel.paths.push_back(std::move(curve));
+    for (std::size_t robot = 0; robot < positions_in(record, path[0]).size(); ++robot) {
+      std::vector<draw::Point3> curve;
+      for (std::size_t i = 0; i < path.size(); ++i) curve.push_back(positions_in(record, path[i])[robot]);
+      panel.paths.push_back(std::move(curve));
+    }
   }
   figure.panels.push_back(std::move(panel));
   const std::string caption = sketch_of(run, level, view).caption;
@@ -398,12 +428,14 @@ std::string plot_picture(const Run& run, std::size_t level, const std::string& p
     for (const auto& part : sketch.robots) {
       canvas.stroke(draw::Path::polygon(all_at(part)), {.colour = palette::ink, .width = 0.9});
     }
-    if (sketch.path.size() > 1) {
-      canvas.stroke(draw::Path::polyline(all_at(sketch.path)), {.colour = palette::vermillion, .width = 1.6});
+    for (std::size_t robot = 0; robot < sketch.paths.size(); ++robot) {
+      if (sketch.paths[robot].size() < 2) continue;
+      const draw::Colour colour = sketch.colours.empty() ? palette::vermillion : sketch.colours[robot];
+      canvas.stroke(draw::Path::polyline(all_at(sketch.paths[robot])), {.colour = colour, .width = 1.6});
     }
     constexpr double end_radius = 2.4;
-    draw::draw_end(canvas, at(sketch.start), end_radius, true);
-    draw::draw_end(canvas, at(sketch.goal), end_radius, false);
+    for (const Point p : sketch.starts) draw::draw_end(canvas, at(p), end_radius, true);
+    for (const Point p : sketch.goals) draw::draw_end(canvas, at(p), end_radius, false);
   }
   canvas.stroke(draw::Path::rectangle(world), {.colour = palette::frame, .width = 0.7});
   return canvas.render(format);

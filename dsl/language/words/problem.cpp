@@ -43,6 +43,8 @@ struct LoadSettings {
   std::string map_server = "nav2";
   bool motion = true;
   double goal_tolerance = ReadOptions{}.goal_tolerance;
+  std::int64_t agents = 0;
+  double radius = ReadOptions{}.agent_radius;
 };
 struct ProblemSettings {
   double weight = LoadSettings{}.weight;
@@ -92,6 +94,11 @@ const Settings<LoadSettings>& load_settings() {
               "map_server", &LoadSettings::map_server, {"nav2", "ros1"},
               "the map server whose rules decide which pixels of a map of ROS are free: that of Nav2 takes luma, and "
               "transparent pixels are unknown; that of ROS 1 takes the mean of the channels")
+          .integer("agents", &LoadSettings::agents, "robots", {.lo = 0, .hi = Robot::most_members},
+                   "of queries of Moving AI: the first so many are one problem of a team; 0: each is a problem of its "
+                   "own")
+          .number("radius", &LoadSettings::radius, "m", Range::positive(),
+                  "of the discs that these agents are, unless `robot` is given")
           .number("goal_tolerance", &LoadSettings::goal_tolerance, "m", Range::positive(),
                   "of problems with a motion model: a state this near to the goal in the metric is the goal");
   return settings;
@@ -156,24 +163,27 @@ Configuration state_named(const std::string& name, const std::string& what, cons
                                         : fmt::format("there are: {}", fmt::join(known, ", "))));
 }
 
-/// Whether a value lists one configuration for each robot of a team.
+/// Whether a value lists configurations of the robots of a team, and not of the team: each is shorter.
 bool is_of_members(Value value, const std::vector<TeamMember>& members) {
-  std::size_t tables = 0, elements = 0;
+  if (members.size() < 2 || value.type() != lua::Type::table) return false;
+  std::size_t whole = 0;
+  for (const TeamMember& member : members) whole += member.axes.size();
+  std::size_t elements = 0;
   bool fits = true;
-  if (value.type() != lua::Type::table) return false;
-  value.each([&](std::size_t i, Value element) {
+  value.each([&](std::size_t, Value element) {
     ++elements;
-    if (element.type() != lua::Type::table) return;
-    ++tables;
+    if (element.type() != lua::Type::table) {
+      fits = false;
+      return;
+    }
     std::size_t length = 0;
-    bool flat = true;
     element.each([&](std::size_t, Value number) {
       ++length;
-      flat = flat && number.type() != lua::Type::table;
+      fits = fits && number.type() != lua::Type::table;
     });
-    fits = fits && flat && i <= members.size() && length <= members[i - 1].axes.size() + 1;
+    fits = fits && length < whole;
   });
-  return fits && tables > 0 && tables == elements && members.size() > 1 && tables + 1 >= members.size();
+  return fits && elements > 0;
 }
 
 Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
@@ -182,12 +192,11 @@ Configuration read_configuration(Value value, const std::string& what, const Pro
     Configuration q(space.dimension());
     std::size_t count = 0;
     value.each([&](std::size_t i, Value element) {
-      ++count;
+      if (++count > members.size()) return;
       const std::vector<std::size_t>& axes = members[i - 1].axes;
       const Configuration own = read_numbers(element, fmt::format("problem: robot {} of {}", i, what));
       if (own.size() != axes.size()) {
-        throw Error(
-            fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, axes.size(), own.size()));
+        throw Error(fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, axes.size(), own.size()));
       }
       for (std::size_t j = 0; j < axes.size(); ++j) q[axes[j]] = own[j];
     });
@@ -667,6 +676,8 @@ lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::s
     options.resolution = settings.resolution;
     options.motion = settings.motion;
     options.goal_tolerance = settings.goal_tolerance;
+    options.agents = static_cast<std::size_t>(settings.agents);
+    options.agent_radius = settings.radius;
     options.map_server = settings.map_server == "ros1" ? MapServer::ros1 : MapServer::nav2;
     std::vector<std::string> found;
     auto problems = read_problems(path, options, &found);

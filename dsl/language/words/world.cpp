@@ -468,7 +468,7 @@ int make_team(Stack& call) {
     } else if (value.get<Robot3>() != nullptr) {
       throw Error(fmt::format(
           "robots: element {} is a body that moves freely in space; a team has robots of the plane, or robots of URDF "
-          "files, in which a body may hang on a floating joint",
+          "files, in which a body may have a floating joint",
           i));
     } else {
       throw Error(fmt::format("robots: element {} must be a robot, as robot.disc(0.3), got {}", i, describe(value)));

@@ -33,9 +33,6 @@ std::vector<std::string> collision_backends(const Scene& scene) {
 }
 
 std::string describe(const Contact& contact, const Scene& scene) {
-  if (contact.other && scene.planar() != nullptr && !scene.members().empty()) {
-    return fmt::format("{} meets {}", scene.body_name(contact.body), scene.body_name(*contact.other));
-  }
   if (contact.other) {
     return fmt::format("itself ({} meets {})", scene.body_name(contact.body), scene.body_name(*contact.other));
   }

@@ -61,6 +61,23 @@ constexpr Colour level(std::size_t i) { return levels[i % levels.size()]; }
 inline constexpr std::array<Colour, 7> series = {blue, vermillion, green, orange, purple, sky, black};
 constexpr Colour nth(std::size_t i) { return series[i % series.size()]; }
 
+/// The robots of a team: eight hues, then the same ones darker, then lighter.
+inline constexpr std::array<Colour, 8> robots = {blue,   vermillion, green,         purple,
+                                                 orange, sky,        rgb(0x8C564B), rgb(0x6A51A3)};
+constexpr Colour robot(std::size_t i) {
+  const Colour hue = robots[i % robots.size()];
+  const auto mixed = [&](double share, double with) {
+    return Colour{hue.r + share * (with - hue.r), hue.g + share * (with - hue.g), hue.b + share * (with - hue.b), 1.0};
+  };
+  constexpr double darker = 0.4;
+  constexpr double lighter = 0.5;
+  switch (i / robots.size() % 3) {
+    case 1: return mixed(darker, 0.0);
+    case 2: return mixed(lighter, 1.0);
+    default: return hue;
+  }
+}
+
 }  // namespace palette
 
 }  // namespace trellis::draw

@@ -82,6 +82,7 @@ class Plot {
   }
 
   [[nodiscard]] CircleLook look(const PlanarPanel& panel, const CircleLayer& layer) const {
+    if (layer.colour) return {*layer.colour, 0.55};
     return circle_look(layer.role, figure_.colours, panel.layers.size() == 1);
   }
 
@@ -101,10 +102,14 @@ class Plot {
     for (const auto& panel : by_layers) {
       for (const auto& layer : panel.layers) add({Sign::circles, layer.name, look(panel, layer)});
     }
-    const bool paths = std::any_of(figure_.panels.begin(), figure_.panels.end(),
-                                   [](const PlanarPanel& panel) { return !panel.paths.empty(); });
-    if (!figure_.start.empty()) add({Sign::start, "start", {}});
-    if (!figure_.goal.empty()) add({Sign::goal, "goal", {}});
+    const bool paths = std::any_of(figure_.panels.begin(), figure_.panels.end(), [](const PlanarPanel& panel) {
+      return !panel.paths.empty() || !panel.team_paths.empty();
+    });
+    const bool moving = std::any_of(figure_.panels.begin(), figure_.panels.end(),
+                                    [](const PlanarPanel& panel) { return !panel.team_at.empty(); });
+    if (!figure_.start.empty() || (!figure_.team.empty() && !moving)) add({Sign::start, "start", {}});
+    if (moving) add({Sign::start, "robot", {}});
+    if (!figure_.goal.empty() || !figure_.team.empty()) add({Sign::goal, "goal", {}});
     if (paths) add({Sign::path, "path", {}});
     if (!figure_.obstacles.empty()) add({Sign::obstacle, "obstacle", {}});
     std::vector<std::string> names;
@@ -138,7 +143,7 @@ class Plot {
         const PlanarPanel& panel = figure_.panels[p];
         Frame& frame = frames_[p];
         frame.title = page::wrapped(panel.title, column, page::panel_font, 3);
-        frame.area = area_per_sample(panel.layers, grid_.cell()) * scale_ * scale_;
+        frame.area = area_per_sample(panel.layers, grid_.cell() / parts_of_cell(panel)) * scale_ * scale_;
         frame.sizes = visible_sizes(sizes_explained(panel.layers), frame.area);
         if (!frame.title.empty()) top = std::max(top, page::block_height(frame.title, page::panel_font) + 3.0);
         const double below = frame.sizes.empty() ? 0.0 : circle_sizes_height(frame.sizes, frame.area) + 3.0;
@@ -168,6 +173,22 @@ class Plot {
             .y0 = plot.bottom() + scale_ * figure_.world.y};
   }
 
+  /// Circles of the robots of a team are beside each other: a cell has so many parts along a side.
+  static double parts_of_cell(const PlanarPanel& panel) {
+    const bool team = !panel.layers.empty() && panel.layers.front().colour;
+    return team ? std::ceil(std::sqrt(static_cast<double>(panel.layers.size()))) : 1.0;
+  }
+  /// Where the circle of a layer is in each cell, from its centre.
+  [[nodiscard]] Point place_in_cell(const PlanarPanel& panel, std::size_t layer) const {
+    const double parts = parts_of_cell(panel);
+    if (parts == 1.0) return {};
+    const auto i = static_cast<double>(layer);
+    const double column = std::fmod(i, parts);
+    const double row = std::floor(i / parts);
+    const double side = grid_.cell() / parts;
+    return {(column - 0.5 * (parts - 1.0)) * side, (0.5 * (parts - 1.0) - row) * side};
+  }
+
   [[nodiscard]] bool has_scale_bar(std::size_t p) const { return figure_.scale_bar && p == 0; }
 
   void draw_panel(Canvas& canvas, std::size_t p) const {
@@ -183,19 +204,29 @@ class Plot {
       for (const auto& path : panel.paths) {
         canvas.stroke(Path::polyline(path).mapped(to_paper), {palette::ink.faded(0.6), 0.6});
       }
+      const bool strong = panel.layers.empty();
+      for (const auto& [colour, points] : panel.team_paths) {
+        canvas.stroke(Path::polyline(points).mapped(to_paper),
+                      {colour.faded(strong ? 0.8 : 0.4), strong ? 0.9 : 0.5, {}, Cap::round});
+      }
       const auto start = robot_paths(figure_.start, to_paper);
       const auto goal = robot_paths(figure_.goal, to_paper);
       for (const Path& part : start) canvas.fill(part, start_colour);
-      for (const CircleLayer& layer : below_each_other(panel.layers)) {
+      const std::vector<CircleLayer> layers = below_each_other(panel.layers);
+      for (std::size_t k = 0; k < layers.size(); ++k) {
+        const CircleLayer& layer = layers[k];
         Circles circles;
+        const Point place = place_in_cell(panel, k);
         for (std::size_t i = 0; i < layer.mean.size(); ++i) {
-          circles.add(to_paper(grid_.centre(i)), circle_radius(layer.mean[i] * frame.area));
+          const Point centre = grid_.centre(i);
+          circles.add(to_paper({centre.x + place.x, centre.y + place.y}), circle_radius(layer.mean[i] * frame.area));
         }
         circles.draw(canvas, look(panel, layer));
       }
       // Above the circles, which would cover small robots.
       outline(canvas, start, plot.grown(10.0));
       outline(canvas, goal, plot.grown(10.0));
+      draw_team(canvas, panel, to_paper);
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
     if (has_scale_bar(p)) {
@@ -204,6 +235,43 @@ class Plot {
     }
     if (!panel.note.empty()) draw_note(canvas, panel.note, plot);
     draw_sizes(canvas, panel, frame);
+  }
+
+  void draw_team(Canvas& canvas, const PlanarPanel& panel, const Transform& to_paper) const {
+    const bool moves = !panel.team_at.empty();
+    for (const TeamRobot& robot : figure_.team) {
+      for (const Path& part : robot_paths(robot.goal, to_paper)) canvas.stroke(part, {robot.colour, 0.9});
+    }
+    for (std::size_t i = 0; i < figure_.team.size(); ++i) {
+      const TeamRobot& robot = figure_.team[i];
+      const std::vector<Path> parts = robot_paths(moves ? panel.team_at.at(i) : robot.start, to_paper);
+      const double filling = panel.layers.empty() ? 0.85 : 0.6;
+      Point middle;
+      double extent = 0.0;
+      for (const Path& part : parts) {
+        canvas.fill(part, robot.colour.faded(filling));
+        canvas.stroke(part, {robot.colour, 0.6});
+        const Rect box = bounds(part);
+        if (const double least = std::min(box.width, box.height); least > extent) {
+          extent = least;
+          middle = box.centre();
+        }
+      }
+      const double width = text_extents(robot.name, page::tick_font).width;
+      if (extent > width + 1.0 && extent > 0.8 * page::line_height(page::tick_font)) {
+        canvas.text(robot.name, middle, {page::tick_font, palette::paper, Align::centre, Stand::middle});
+      }
+    }
+  }
+
+  static Rect bounds(const Path& path) {
+    Point lo = path.points().front();
+    Point hi = lo;
+    for (const Point p : path.points()) {
+      lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+      hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+    }
+    return {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
   }
 
   void draw_sizes(Canvas& canvas, const PlanarPanel& panel, const Frame& frame) const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -56,7 +57,22 @@ using WorldShape = std::variant<std::vector<Point>, WorldDisc>;
 struct CircleLayer {
   std::string name{};  ///< in the legend
   Role role = Role::tree;
-  std::vector<double> mean{};  ///< the mean count of each of the grid's cells
+  std::vector<double> mean{};      ///< the mean count of each of the grid's cells
+  std::optional<Colour> colour{};  ///< of a robot of a team, instead of the role's
+};
+
+/// A robot of a team, in its colour.
+struct TeamRobot {
+  std::string name{};  ///< printed on it: "3"
+  Colour colour{};
+  std::vector<WorldShape> start{};  ///< its parts: filled, at a goal an outline
+  std::vector<WorldShape> goal{};
+};
+
+/// The path of a robot of a team.
+struct TeamPath {
+  Colour colour{};
+  std::vector<Point> points{};
 };
 
 struct PlanarPanel {
@@ -64,6 +80,8 @@ struct PlanarPanel {
   std::vector<CircleLayer> layers{};  ///< drawn on top of each other
   std::vector<std::vector<Point>> paths{};
   std::string note{};  ///< printed across the world, as "no samples"
+  std::vector<TeamPath> team_paths{};
+  std::vector<std::vector<WorldShape>> team_at{};  ///< the robots of the team at one moment; empty: at their starts
 };
 
 /// One world in panels row by row. Each panel has its own scale of circles, which the legend below it shows.
@@ -75,6 +93,7 @@ struct PlanarFigure {
   std::vector<WorldShape> obstacles{};
   std::vector<WorldShape> start{};  ///< the robot's parts at the start
   std::vector<WorldShape> goal{};
+  std::vector<TeamRobot> team{};
   std::vector<PlanarPanel> panels{};
   std::size_t columns = 3;
   RoleColours colours = RoleColours::safe;

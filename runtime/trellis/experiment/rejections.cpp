@@ -11,7 +11,8 @@ namespace trellis {
 Rejections rejections(const LevelRecord& level, double resolution, std::size_t most) {
   Rejections result;
   // The space of a projection, such as drop(), may have fewer axes than the robot: its validity is not this scene's.
-  if (level.presumed || !level.scene || level.space.dimension() < level.scene->robot_dimension()) return result;
+  if (level.presumed || !level.scene || !level.places_robot || level.space.dimension() < level.scene->robot_dimension())
+    return result;
   const Search& search = level.search;
   std::vector<std::size_t> blocked;
   for (std::size_t i = 0; i < search.fates.size(); ++i) {

@@ -205,14 +205,20 @@ class SceneDocument {
     if (path.size() == 0) return;
     const draw::Colour colour = draw::palette::level(static_cast<std::size_t>(std::max(0, record.level)));
     const std::size_t material = document_.add_material(name, colour, false);
-    std::vector<draw::Point3> curve;
     const ManipulatorScene* manipulator = record.scene->manipulator();
     const Configurations shown = manipulator != nullptr ? dense(record.space, path) : path;
-    for (std::size_t i = 0; i < shown.size(); ++i) curve.push_back(position_in(record, shown[i]));
-    if (curve.size() > 1) {
-      document_.add_child(node, {{"name", name + ", path"},
-                                 {"mesh", document_.add_mesh(name + ", path", curve, {}, mode_line_strip, material)}});
+    std::vector<std::vector<draw::Point3>> curves(positions_in(record, path[0]).size());
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const std::vector<draw::Point3> positions = positions_in(record, shown[i]);
+      for (std::size_t k = 0; k < curves.size(); ++k) curves[k].push_back(positions[k]);
     }
+    for (std::size_t k = 0; k < curves.size() && shown.size() > 1; ++k) {
+      const std::string path_name =
+          curves.size() == 1 ? name + ", path" : fmt::format("{}, path of robot {}", name, k + 1);
+      document_.add_child(node, {{"name", path_name},
+                                 {"mesh", document_.add_mesh(path_name, curves[k], {}, mode_line_strip, material)}});
+    }
+    const std::vector<draw::Point3>& curve = curves.front();
     if (manipulator != nullptr) {
       add_bodies(node, name, colour, manipulator->robot, shown, lengths(record.space, shown));
       return;

@@ -202,6 +202,12 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
   return out + cell(interval_html(s.length)) + "</tr>\n";
 }
 
+/// "#0072b2".
+std::string hex(const draw::Colour& colour) {
+  const auto byte = [](double part) { return static_cast<int>(std::lround(255.0 * part)); };
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(colour.r), byte(colour.g), byte(colour.b));
+}
+
 /// Returns a patch of a strategy's colour in the figures; none for an ablation.
 std::string swatch(const CostData& data, const std::string& strategy) {
   const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
@@ -209,9 +215,7 @@ std::string swatch(const CostData& data, const std::string& strategy) {
   if (found == data.strategies.end()) return "";
   const draw::Colour colour =
       strategy_colour(data, data.baseline, static_cast<std::size_t>(found - data.strategies.begin()));
-  const auto byte = [](double part) { return static_cast<int>(std::lround(255.0 * part)); };
-  return fmt::format(R"(<span class="swatch" style="background:#{:02x}{:02x}{:02x}"></span>)", byte(colour.r),
-                     byte(colour.g), byte(colour.b));
+  return fmt::format(R"(<span class="swatch" style="background:{}"></span>)", hex(colour));
 }
 
 /// Explains the columns of nats, and says where all seeds together and single runs disagree.
@@ -538,6 +542,15 @@ Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds
                {"goals", problem.goals},
                {"position", moves ? Json{0, 1} : Json::array()},
                {"robot", robots.add(problem.scene.get())}};
+  if (const auto members = problem.scene ? problem.scene->members() : std::vector<TeamMember>(); members.size() > 1) {
+    json["traces"] = traces_json(traces_of(problem));
+    Json team = Json::array();
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      team.push_back(
+          {{"number", members[i].number}, {"axes", members[i].axes}, {"colour", hex(draw::palette::robot(i))}});
+    }
+    json["team"] = std::move(team);
+  }
   if (is_spatial(problem)) {
     const World3& world = *spatial_world(*problem.scene);
     const draw::Camera camera = draw::camera_for(drawn(world.bounds().lo), drawn(world.bounds().hi));

@@ -13,6 +13,7 @@
 #include <trellis/collision/checker.hpp>
 #include <trellis/figures/base64.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/figures/traces.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/visit.hpp>
@@ -79,7 +80,8 @@ Json shape_json(const ConvexShape& shape) {
 
 Json robot_json(const Robot& robot) {
   Json bodies = Json::array();
-  for (const Body& body : robot.bodies()) {
+  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
+    const Body& body = robot.bodies()[i];
     Json parts = Json::array();
     for (const auto& part : body.parts) parts.push_back(shape_json(part));
     bodies.push_back({{"parts", std::move(parts)},
@@ -87,6 +89,10 @@ Json robot_json(const Robot& robot) {
                       {"joint", {rounded(body.joint.x), rounded(body.joint.y)}},
                       {"axis", body.angle_axis},
                       {"absolute", body.absolute}});
+    if (!robot.members().empty()) {
+      bodies.back()["position"] = body.position_axis;
+      bodies.back()["robot"] = robot.members()[robot.member_of(i)].number - 1;
+    }
   }
   return {{"translates", robot.translates()},
           {"base", {rounded(robot.base().x), rounded(robot.base().y)}},
@@ -170,25 +176,28 @@ Json robot_json(const SphereModel& model) {
                       {"multiplier", body.multiplier},
                       {"offset", body.offset}});
   }
-  const PointOnBody tip = model.tip();
+  const auto tip_json = [](const PointOnBody& tip) { return Json{tip.body, tip.point.x, tip.point.y, tip.point.z}; };
+  Json tips = Json::array();
+  for (const PointOnBody& tip : model.tips()) tips.push_back(tip_json(tip));
   return {{"dimension", model.robot().dimension()},
           {"rotates", false},
           {"radius", rounded(model.bounding_radius())},
           {"base", pose(model.base())},
           {"bodies", std::move(bodies)},
-          {"tip", {tip.body, tip.point.x, tip.point.y, tip.point.z}},
+          {"tip", tip_json(model.tip())},
+          {"tips", std::move(tips)},
           {"surfaces", surfaces_json(surfaces)}};
 }
 
 /// Returns of each proposal its outcome and, from bit 2, its own validity: 0 unknown, 1 valid, 2 invalid.
 std::string packed_fates(const LevelRecord& record, const Search& search, const Problem& problem) {
   std::unique_ptr<Checker> checker;
-  if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot_dimension()) {
+  if (record.scene && record.places_robot && !record.presumed &&
+      record.space.dimension() >= record.scene->robot_dimension()) {
     // A space may be that of another kind of robot, as the hand's positions are of an arm.
     const std::vector<std::string> known = collision_backends(*record.scene);
     const bool same = std::find(known.begin(), known.end(), problem.collision) != known.end();
-    checker =
-        make_checker(same ? problem.collision : known.front(), record.scene, record.space, problem.resolution);
+    checker = make_checker(same ? problem.collision : known.front(), record.scene, record.space, problem.resolution);
   }
   std::string bytes;
   bytes.reserve(search.proposals.size());
@@ -340,8 +349,9 @@ Search thinned(const Search& search, const HeldRows& held) {
 }
 
 /// Packs a level with the selected rows; nullptr selects all rows.
-Json level_json(const LevelResult& level, const Search& search, const HeldRows* held, const Problem& problem,
-                RobotTable& robots) {
+Json level_json(const std::vector<LevelResult>& levels, std::size_t number, const Search& search, const HeldRows* held,
+                const Problem& problem, RobotTable& robots) {
+  const LevelResult& level = levels[number];
   const LevelRecord& record = level.record;
   Json classes = nullptr;
   if (level.metrics && level.metrics->classes.size() == record.search.nodes.size()) {
@@ -375,6 +385,10 @@ Json level_json(const LevelResult& level, const Search& search, const HeldRows* 
                {"added", packed_added(search)},
                {"all", {record.search.proposals.size(), record.search.nodes.size()}}};
   if (!record.space.flat()) json["rotations"] = rotations_json(record.space);
+  if (problem.scene && problem.scene->members().size() > 1) {
+    json["traces"] = traces_json(traces_of(levels, number));
+    json["first"] = first_coordinate(levels, number);
+  }
   return json;
 }
 
@@ -411,6 +425,18 @@ int RobotTable::add(const Scene* scene) {
   return at->second;
 }
 
+Json traces_json(const std::vector<Trace>& traces) {
+  Json out = Json::array();
+  for (const Trace& trace : traces) {
+    Json one = {{"robot", trace.robot}, {"position", trace.axes}};
+    if (trace.axes.empty()) {
+      one["tip"] = {trace.tip.body, trace.tip.point.x, trace.tip.point.y, trace.tip.point.z};
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
 int WorldTable::add(const World3& world) {
   constexpr std::size_t most_triangles = 12'000;
   const auto [at, fresh] = places_.emplace(world.identity().get(), static_cast<int>(list_.size()));
@@ -431,13 +457,14 @@ Json shape_json(const Shape& shape) {
 Json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots, double share) {
   Json levels = Json::array();
   std::vector<HeldRows> held;
-  for (const auto& level : run.levels) {
+  for (std::size_t i = 0; i < run.levels.size(); ++i) {
+    const Search& search = run.levels[i].record.search;
     if (is_all(share)) {
-      levels.push_back(level_json(level, level.record.search, nullptr, problem, robots));
+      levels.push_back(level_json(run.levels, i, search, nullptr, problem, robots));
       continue;
     }
-    held.push_back(held_rows(level.record.search, share));
-    levels.push_back(level_json(level, thinned(level.record.search, held.back()), &held.back(), problem, robots));
+    held.push_back(held_rows(search, share));
+    levels.push_back(level_json(run.levels, i, thinned(search, held.back()), &held.back(), problem, robots));
   }
   Json path = nullptr;
   if (run.run.solved && !run.levels.empty()) path = packed(run.run.path, run.levels.front().record.space);

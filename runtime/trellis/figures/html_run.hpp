@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/figures/traces.hpp>
 #include <trellis/scene/spatial/world.hpp>
 
 namespace trellis {
@@ -38,6 +40,9 @@ class WorldTable {
 
 /// Returns "[x, y, radius]" of a disc, "[x, y, x, y, ...]" of a polygon.
 nlohmann::ordered_json shape_json(const Shape& shape);
+
+/// Where a level of a team, or its problem, has the position of each robot.
+nlohmann::ordered_json traces_json(const std::vector<Trace>& traces);
 
 /// Packs one run: levels with their nodes and proposals, and the turns of the levels. Coordinates have 16 bits, as
 /// shares of their axis's extent. Checks the validity of rejected proposals; these checks do not count.

@@ -15,6 +15,7 @@
 #include <trellis/figures/charts/pictures.hpp>
 #include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/figures/traces.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
@@ -152,8 +153,8 @@ class MotionPictures {
 
   /// Whether the space is more than the robot's position in the world.
   [[nodiscard]] static bool possible(const Problem& problem) {
-    return problem.scene != nullptr && problem.scene->planar() != nullptr && problem.space.dimension() == 2 &&
-           problem.scene->robot_dimension() == 2 && !problem.scene->is_point();
+    return problem.scene != nullptr && problem.scene->planar() != nullptr && problem.scene->members().size() < 2 &&
+           problem.space.dimension() == 2 && problem.scene->robot_dimension() == 2 && !problem.scene->is_point();
   }
 
   [[nodiscard]] std::optional<MotionFigure> motion(const ExperimentResult& result, const std::string& strategy) const {
@@ -227,6 +228,64 @@ class MotionPictures {
   MotionFigure frame_;
 };
 
+/// One problem's pictures of a team in the plane: its robots at moments of the path.
+class TeamMotions {
+ public:
+  explicit TeamMotions(const Problem& problem) : problem_(problem), traces_(traces_of(problem)) {
+    const World& world = planar(*problem.scene).world;
+    const auto& [lo, hi] = world.bounds();
+    frame_.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
+    frame_.cell = std::max(frame_.world.width, frame_.world.height);
+    frame_.obstacles.reserve(world.obstacles().size());
+    for (const Obstacle& obstacle : world.obstacles()) frame_.obstacles.push_back(drawn(obstacle.shape));
+    add_ends(problem, frame_);
+    frame_.columns = frame_.world.width > 2.2 * frame_.world.height ? 2 : 3;
+  }
+
+  [[nodiscard]] static bool possible(const Problem& problem) {
+    return problem.scene != nullptr && problem.scene->planar() != nullptr && problem.scene->members().size() > 1;
+  }
+
+  [[nodiscard]] std::optional<draw::PlanarFigure> motion(const ExperimentResult& result,
+                                                         const std::string& strategy) const {
+    const auto runs = select_runs(result, problem_.name, strategy);
+    const auto solved = std::find_if(runs.begin(), runs.end(), [](const RunResult* run) { return run->run.solved; });
+    if (solved == runs.end()) return std::nullopt;
+    const RunResult& run = **solved;
+    constexpr std::size_t panels = 6;
+    constexpr std::size_t pieces = 20;  // of the path between two panels
+    const Scene* scene = problem_.scene.get();
+    const Configurations moments = moments_of(scene, problem_.space, run.run.path, pieces * (panels - 1) + 1);
+    draw::PlanarFigure figure = frame_;
+    figure.title = fmt::format("{} on {}: the robots along their paths", strategy, problem_.name);
+    figure.caption = fmt::format(
+        "Seed {}. The robots at even times, with their paths so far: in each motion of the team the robot "
+        "with the longest motion has an even speed.",
+        run.seed);
+    for (std::size_t k = 0; k < panels; ++k) {
+      const std::size_t now = std::min(pieces * k, moments.size() - 1);
+      draw::PlanarPanel panel;
+      panel.title = fmt::format("{} % of the time", 100 * k / (panels - 1));
+      panel.team_at = placed_team(planar(*scene).robot, moments[now]);
+      for (const Trace& trace : traces_) {
+        draw::TeamPath path{draw::palette::robot(trace.robot), {}};
+        for (std::size_t i = 0; i <= now; ++i) {
+          path.points.push_back({moments[i][trace.axes[0]], moments[i][trace.axes[1]]});
+        }
+        if (now > 0) panel.team_paths.push_back(std::move(path));
+      }
+      figure.panels.push_back(std::move(panel));
+      if (moments.size() == 1) break;
+    }
+    return figure;
+  }
+
+ private:
+  const Problem& problem_;
+  std::vector<Trace> traces_;
+  draw::PlanarFigure frame_;
+};
+
 /// One problem's pictures of space: the robot of each level along the path found in it.
 class SpatialMotions {
  public:
@@ -274,19 +333,21 @@ class SpatialMotions {
     draw::SpatialPanel panel;
     panel.title = fmt::format("{}: {}", record.parent < 0 ? record.planner : record.name,
                               record.solution.solved() ? "the path found" : "the path to the node nearest to the goal");
-    const auto at = [&](View q) { return position_in(record, q); };
-    std::vector<draw::Point3> curve;
-    Configuration q(record.space.dimension());
-    curve.push_back(at(path[0]));
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      for (std::size_t k = 1; k <= points_of_leg; ++k) {
-        record.space.interpolate(path[i - 1], path[i], static_cast<double>(k) / points_of_leg, q);
-        // Straight pieces are one.
-        if (k < points_of_leg && straight(at(path[i - 1]), at(q), at(path[i]))) continue;
-        curve.push_back(at(q));
+    for (std::size_t robot = 0; robot < positions_in(record, path[0]).size(); ++robot) {
+      const auto at = [&](View q) { return positions_in(record, q)[robot]; };
+      std::vector<draw::Point3> curve;
+      Configuration q(record.space.dimension());
+      curve.push_back(at(path[0]));
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        for (std::size_t k = 1; k <= points_of_leg; ++k) {
+          record.space.interpolate(path[i - 1], path[i], static_cast<double>(k) / points_of_leg, q);
+          // Straight pieces are one.
+          if (k < points_of_leg && straight(at(path[i - 1]), at(q), at(path[i]))) continue;
+          curve.push_back(at(q));
+        }
       }
+      panel.paths.push_back(std::move(curve));
     }
-    panel.paths.push_back(std::move(curve));
     if (record.scene->is_point() || record.space.dimension() < record.scene->robot_dimension()) return panel;
     const Configurations poses = poses_along(record.space, path);
     const auto checker = make_checker(problem_.collision, problem_.scene, problem_.space, problem_.resolution);
@@ -342,7 +403,9 @@ void write_motion_figures(const Experiment& experiment, const ExperimentResult& 
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
-    if (!MotionPictures::possible(problem) && !SpatialMotions::possible(problem)) continue;
+    if (!MotionPictures::possible(problem) && !TeamMotions::possible(problem) && !SpatialMotions::possible(problem)) {
+      continue;
+    }
     FigureJob task{&problem, folder, {}};
     Directories strategies;
     for (const auto& entry : experiment.strategies) task.strategies.emplace_back(entry.first, strategies(entry.first));
@@ -352,6 +415,8 @@ void write_motion_figures(const Experiment& experiment, const ExperimentResult& 
     const FigureJob& task = tasks[i];
     if (SpatialMotions::possible(*task.problem)) {
       write_motions(SpatialMotions(*task.problem), task, result, style);
+    } else if (TeamMotions::possible(*task.problem)) {
+      write_motions(TeamMotions(*task.problem), task, result, style);
     } else {
       write_motions(MotionPictures(*task.problem), task, result, style);
     }

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
+#include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include <trellis/figures/charts/pictures.hpp>
 #include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/figures/traces.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
@@ -83,11 +85,7 @@ struct Planar {
     frame.cell = cell_of(std::max(frame.world.width, frame.world.height), options.cell, most_cells);
     frame.obstacles.reserve(world.obstacles().size());
     for (const Obstacle& obstacle : world.obstacles()) frame.obstacles.push_back(drawn(obstacle.shape));
-    frame.start = placed(planar(*problem.scene).robot, problem.start);
-    for (const Configuration& goal : problem.goals) {
-      const auto shapes = placed(planar(*problem.scene).robot, goal);
-      frame.goal.insert(frame.goal.end(), shapes.begin(), shapes.end());
-    }
+    add_ends(problem, frame);
     frame.colours = options.colours;
     // Wide worlds have wide panels.
     const double aspect = frame.world.width / frame.world.height;
@@ -183,15 +181,6 @@ std::string counted(std::size_t n, const std::string& what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-template <class Kind>
-typename Kind::Panel panel_of(const std::string& title, const Counts<Kind>& counts, CircleLayer layer,
-                              const std::string& what) {
-  typename Kind::Panel panel;
-  panel.title = fmt::format("{}: {}{}", title, rounded(counts.mean()), what);
-  panel.layers.push_back(std::move(layer));
-  return panel;
-}
-
 /// Describes the target for the caption.
 std::string target_text(const Measure& measure) {
   const double delta = common_settings(measure.target).delta;
@@ -218,6 +207,7 @@ class ScenePictures {
         problem_(problem),
         frame_(Kind::frame(problem, options)),
         grid_(Kind::grid(frame_)),
+        traces_(traces_of(problem)),
         measured_(experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target)),
         baseline_(experiment.baseline) {
     const auto& all = experiment.strategies;
@@ -229,47 +219,48 @@ class ScenePictures {
   [[nodiscard]] std::optional<Figure> samples(const std::string& strategy) const {
     const auto runs = select_runs(result_, problem_.name, strategy);
     if (runs.empty()) return std::nullopt;
-    Counts<Kind> tree(grid_);
-    Counts<Kind> expansion(grid_);
-    Counts<Kind> target(grid_);
-    Counts<Kind> baseline(grid_);
+    Samples tree(*this);
+    Samples expansion(*this);
+    Samples target(*this);
+    Samples baseline(*this);
     Panel world;
     bool expands = false;
     for (const RunResult* run : runs) {
-      if (run->run.solved) world.paths.push_back(track<Kind>(run->run.path, position_));
+      if (run->run.solved) add_paths(run->run.path, traces_, world);
       if (run->levels.empty()) continue;
       const Search& search = run->levels.front().record.search;
       const Configurations nodes = search.tree_samples(search.nodes);
-      tree.add(nodes, position_);
+      tree.add(nodes, traces_);
       if (search.expands) {
-        expansion.add(search.proposals, position_);
+        expansion.add(search.proposals, traces_);
         expands = true;
       }
       if (run->target.empty()) continue;
-      target.add(run->target, position_, static_cast<double>(nodes.size()) / static_cast<double>(run->target.size()));
+      target.add(run->target, traces_, static_cast<double>(nodes.size()) / static_cast<double>(run->target.size()));
     }
     const bool compared = !baseline_.empty() && baseline_ != strategy;
     if (compared) {
       for (const RunResult* run : select_runs(result_, problem_.name, baseline_)) {
         if (run->levels.empty()) continue;
         const Search& search = run->levels.front().record.search;
-        baseline.add(search.tree_samples(search.nodes), position_);
+        baseline.add(search.tree_samples(search.nodes), traces_);
       }
     }
     const std::string seeds = counted(runs.size(), "seed");
-    world.title = fmt::format("paths of {} of {}", world.paths.size(), seeds);
+    const auto solved = std::count_if(runs.begin(), runs.end(), [](const RunResult* run) { return run->run.solved; });
+    world.title = fmt::format("paths of {} of {}", solved, seeds);
 
     Figure figure = frame_;
     figure.title = fmt::format("{} on {}: where its samples lie", strategy, problem_.name);
     Panel all{.title = "all, to one scale"};
     std::vector<std::string> absent;
-    const auto add = [&](const std::string& title, const Counts<Kind>& counts, Role role, const std::string& what,
+    const auto add = [&](const std::string& title, const Samples& counts, Role role, const std::string& what,
                          const std::string& without) {
       if (counts.none()) {
         absent.push_back(without);
         return;
       }
-      Panel panel = panel_of(title, counts, counts.layer(title, role), what);
+      Panel panel = counts.panel(title, role, what);
       all.layers.insert(all.layers.end(), panel.layers.begin(), panel.layers.end());
       figure.panels.push_back(std::move(panel));
     };
@@ -281,7 +272,7 @@ class ScenePictures {
     add("tree", tree, Role::tree, " nodes", "no nodes");
     add("expansion", expansion, Role::expansion, " proposals", expands ? "no proposals" : "nothing is grown");
     if (compared) add(fmt::format("tree of {}", baseline_), baseline, Role::baseline, " nodes", "no nodes");
-    if (all.layers.size() > 1) figure.panels.push_back(std::move(all));
+    if (all.layers.size() > 1 && !team()) figure.panels.push_back(std::move(all));
 
     figure.caption = circles_text(seeds);
     if (measured_ && !target.none()) {
@@ -294,14 +285,21 @@ class ScenePictures {
     return figure;
   }
 
-  /// Draws the levels below the root, each in its own space. None where no such level has a position in the plane.
+  /// Draws the levels below the root, each in its own space. The searches of the robots of a team are one. None where
+  /// no such level has a position in the plane.
   [[nodiscard]] std::optional<Figure> levels(const std::string& strategy) const {
+    struct Drawn {
+      const LevelRecord* record;
+      std::vector<Trace> traces;
+    };
     const auto runs = select_runs(result_, problem_.name, strategy);
-    std::map<std::vector<std::uint64_t>, std::vector<const LevelRecord*>> found;
+    std::map<std::vector<std::uint64_t>, std::vector<Drawn>> found;
     for (const RunResult* run : runs) {
-      for (const LevelResult& level : run->levels) {
-        if (level.record.level == 0 || level.record.position_axes.size() != Kind::axes) continue;
-        found[parse_key(level.record.key)].push_back(&level.record);
+      for (std::size_t i = 1; i < run->levels.size(); ++i) {
+        const LevelRecord& record = run->levels[i].record;
+        auto traces = traces_of(run->levels, i);
+        if (traces.empty() || traces.front().axes.size() != Kind::axes) continue;
+        found[joint_key(record.key)].push_back({&record, std::move(traces)});
       }
     }
     if (found.empty()) return std::nullopt;
@@ -311,27 +309,32 @@ class ScenePictures {
     figure.caption =
         circles_text(counted(runs.size(), "seed")) + " Each level in its own space, with the paths found in it.";
     // Robots differ between levels: mark only their positions.
-    const LevelRecord& first = *found.begin()->second.front();
-    Kind::mark_ends(figure, first);
+    if (!team()) Kind::mark_ends(figure, *found.begin()->second.front().record);
     bool outside = false;
     for (const auto& [key, records] : found) {
-      Counts<Kind> tree(grid_);
-      Counts<Kind> expansion(grid_);
-      std::vector<std::vector<typename Kind::Place>> paths;
-      for (const LevelRecord* record : records) {
+      Samples tree(*this);
+      Samples expansion(*this);
+      Panel paths;
+      std::set<std::string> names;
+      for (const auto& [record, traces] : records) {
         const Search& search = record->search;
-        tree.add(search.tree_samples(search.nodes), record->position_axes);
-        if (search.expands) expansion.add(search.proposals, record->position_axes);
-        if (record->solution.solved()) paths.push_back(track<Kind>(record->solution.path, record->position_axes));
+        names.insert(record->name);
+        tree.add(search.tree_samples(search.nodes), traces);
+        if (search.expands) expansion.add(search.proposals, traces);
+        if (record->solution.solved()) add_paths(record->solution.path, traces, paths);
       }
       outside = outside || tree.any_outside() || expansion.any_outside();
-      const std::string name = short_level(records.front()->name, 24);
+      const std::string name = names.size() == 1 ? short_level(*names.begin(), 24) : "robots, each search";
       // A level without proposals, such as a graph search, has no panel for them.
       for (const auto& [counts, role, what] :
            {std::tuple{&tree, Role::tree, "tree"}, std::tuple{&expansion, Role::expansion, "expansion"}}) {
         if (counts->none()) continue;
-        figure.panels.push_back(panel_of(fmt::format("{}\n{}", name, what), *counts, counts->layer(what, role), ""));
-        figure.panels.back().paths = paths;
+        Panel panel = counts->panel(what, role, "");
+        panel.title = names.size() == 1 ? fmt::format("{}\n{}: {}", name, what, rounded(counts->mean()))
+                                        : fmt::format("{}\n{}", name, what);
+        if constexpr (Kind::axes == 2) panel.team_paths = paths.team_paths;
+        panel.paths = paths.paths;
+        figure.panels.push_back(std::move(panel));
       }
     }
     if (outside) figure.caption += outside_text();
@@ -340,10 +343,79 @@ class ScenePictures {
   }
 
  private:
+  [[nodiscard]] bool team() const { return traces_.size() > 1; }
+
+  /// Counts of the samples of each robot of a team, or of the robot alone.
+  class Samples {
+   public:
+    explicit Samples(const ScenePictures& of) : of_(of) {}
+
+    void add(const Configurations& samples, const std::vector<Trace>& traces, double weight = 1.0) {
+      for (const Trace& trace : traces) {
+        counts_.try_emplace(trace.robot, of_.grid_).first->second.add(samples, trace.axes, weight);
+      }
+    }
+    [[nodiscard]] bool none() const {
+      return std::all_of(counts_.begin(), counts_.end(), [](const auto& entry) { return entry.second.none(); });
+    }
+    [[nodiscard]] bool any_outside() const {
+      return std::any_of(counts_.begin(), counts_.end(), [](const auto& entry) { return entry.second.any_outside(); });
+    }
+    [[nodiscard]] std::size_t runs() const { return counts_.empty() ? 0 : counts_.begin()->second.runs(); }
+    [[nodiscard]] double mean() const { return counts_.empty() ? 0.0 : counts_.begin()->second.mean(); }
+    [[nodiscard]] Panel panel(const std::string& title, Role role, const std::string& what) const {
+      Panel panel;
+      panel.title = fmt::format("{}: {}{}", title, rounded(mean()), what);
+      for (const auto& [robot, counts] : counts_) {
+        if (!of_.team()) {
+          panel.layers.push_back(counts.layer(title, role));
+        } else if (!counts.none()) {
+          const bool named = of_.traces_.size() <= draw::palette::robots.size();
+          panel.layers.push_back(counts.layer(named ? fmt::format("robot {}", robot + 1) : "", role));
+          panel.layers.back().colour = draw::palette::robot(robot);
+        }
+      }
+      return panel;
+    }
+
+   private:
+    const ScenePictures& of_;
+    std::map<std::size_t, Counts<Kind>> counts_;  ///< by robot
+  };
+
+  void add_paths(const Configurations& path, const std::vector<Trace>& traces, Panel& panel) const {
+    for (const Trace& trace : traces) {
+      if constexpr (Kind::axes == 2) {
+        if (team()) {
+          panel.team_paths.push_back({draw::palette::robot(trace.robot), track<Kind>(path, trace.axes)});
+          continue;
+        }
+      }
+      panel.paths.push_back(track<Kind>(path, trace.axes));
+    }
+  }
+
+  /// The place of a level among the panels: one for all searches that divide a level by robots.
+  static std::vector<std::uint64_t> joint_key(const std::string& key) {
+    std::vector<std::uint64_t> place;
+    for (std::size_t at = 0; at < key.size();) {
+      const std::size_t slash = key.find('/', at);
+      for (const std::uint64_t number : parse_key(key.substr(at, slash == std::string::npos ? slash : slash - at))) {
+        place.push_back(number);
+      }
+      if (slash == std::string::npos) break;
+      place.push_back(std::numeric_limits<std::uint64_t>::max());
+      at = key.find_first_not_of("0123456789", slash + 1);
+      if (at == std::string::npos) break;
+    }
+    return place;
+  }
+
   [[nodiscard]] std::string circles_text(const std::string& seeds) const {
     std::string text =
         fmt::format("{}, the mean over {}; areas are proportional to it, in each panel to a scale of its own.",
                     Kind::cell_text(frame_), seeds);
+    if (team()) text += " Those of the robots are beside each other in their cell.";
     return frame_.caption.empty() ? text : frame_.caption + ' ' + text;
   }
   static std::string outside_text() { return " Samples outside of the world are not drawn."; }
@@ -353,7 +425,7 @@ class ScenePictures {
   const Problem& problem_;
   Figure frame_;
   Grid grid_;
-  Axes position_ = Kind::axes == 2 ? Axes{0, 1} : Axes{0, 1, 2};
+  std::vector<Trace> traces_;  ///< of the root
   bool measured_ = false;
   std::string baseline_;
 };
@@ -401,7 +473,8 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
-    if (problem.scene == nullptr || !problem.scene->translates()) {
+    const std::vector<Trace> traces = traces_of(problem);
+    if (traces.empty() || traces.front().axes.empty()) {
       left_out.push_back(
           fmt::format("{}: no picture of its samples, its robot has no position in the plane", problem.name));
     } else {

@@ -275,6 +275,14 @@ Point3 position_in(const LevelRecord& record, View q) {
   return {q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
 }
 
+std::vector<Point3> positions_in(const LevelRecord& record, View q) {
+  if (record.position_axes.size() == 3 || record.scene->manipulator() == nullptr) return {position_in(record, q)};
+  const SphereModel& robot = record.scene->manipulator()->robot;
+  std::vector<Point3> tips;
+  for (const PointOnBody& tip : robot.tips()) tips.push_back(drawn(robot.position(tip, q)));
+  return tips;
+}
+
 draw::SpatialFigure spatial_frame(const Problem& problem) {
   constexpr std::size_t most_triangles = 5000;
   const World3& world = *spatial_world(*problem.scene);

@@ -56,6 +56,8 @@ std::vector<draw::Surface> placed(const Scene& scene, View q, std::size_t most =
 bool has_positions(const LevelRecord& record);
 /// Returns the position of a configuration of such a level.
 draw::Point3 position_in(const LevelRecord& record, View q);
+/// The same of each robot of a team of robots of links and joints; of others the one position.
+std::vector<draw::Point3> positions_in(const LevelRecord& record, View q);
 
 /// Returns what all pictures of a problem in space share: the world, and the robot at start and goals where it has
 /// them. Its caption says what was simplified.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/figures/world_shapes.hpp>
 
+#include <string>
+
 namespace trellis {
 
 namespace {
@@ -42,6 +44,36 @@ std::vector<WorldShape> placed(const Robot& robot, View q) {
     }
   }
   return shapes;
+}
+
+std::vector<std::vector<WorldShape>> placed_team(const Robot& team, View q) {
+  std::vector<std::vector<WorldShape>> robots;
+  robots.reserve(team.members().size());
+  for (const Robot::Member& member : team.members()) {
+    robots.push_back(placed(*member.robot, q.subspan(member.axis, member.robot->dimension())));
+  }
+  return robots;
+}
+
+void add_ends(const Problem& problem, draw::PlanarFigure& figure) {
+  const Robot& robot = planar(*problem.scene).robot;
+  for (const Robot::Member& member : robot.members()) {
+    figure.team.push_back({std::to_string(member.number), draw::palette::robot(member.number - 1), {}, {}});
+  }
+  const auto add = [&](const Configuration& q, std::vector<WorldShape> draw::TeamRobot::*end,
+                       std::vector<WorldShape>& alone) {
+    if (figure.team.empty()) {
+      const auto shapes = placed(robot, q);
+      alone.insert(alone.end(), shapes.begin(), shapes.end());
+      return;
+    }
+    const auto team = placed_team(robot, q);
+    for (std::size_t i = 0; i < team.size(); ++i) {
+      (figure.team[i].*end).insert((figure.team[i].*end).end(), team[i].begin(), team[i].end());
+    }
+  };
+  add(problem.start, &draw::TeamRobot::start, figure.start);
+  for (const Configuration& goal : problem.goals) add(goal, &draw::TeamRobot::goal, figure.goal);
 }
 
 }  // namespace trellis

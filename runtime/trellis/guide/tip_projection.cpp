@@ -66,6 +66,12 @@ std::shared_ptr<const TipProjection> tip_projection(const std::string& guide, co
     throw Error(fmt::format("{}: option 'point' is \"{}\", and the robot '{}' is none of a URDF file", guide, link,
                             parent.scene->robot_name()));
   }
+  if (parent.scene->members().size() > 1) {
+    throw Error(fmt::format(
+        "{0}: '{1}' is a team, which has no position of its own; guide its robots one by one, below team, decouple or "
+        "prioritise, as {0}() >> prioritise() >> rrt_connect {{}}",
+        guide, parent.scene->robot_name()));
+  }
   auto chain = arm_chain(parent);
   if (const auto* why = std::get_if<std::string>(&chain)) {
     throw Error(fmt::format("{}: needs {}; {}", guide, to_string(GuideClaims::Needs::position), *why));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -114,12 +115,20 @@ GridMap grid_map(const SourceText& text) {
   return map;
 }
 
+/// The robot of a query; of agents the team.
+Robot robot_of(const ReadOptions& options) {
+  if (options.agents == 0) return options.robot.value_or(Robot::point());
+  const Robot one = options.robot ? *options.robot : Robot::disc(options.agent_radius);
+  if (!one.translates()) throw Error(fmt::format("the robot '{}' of an agent must move along x and y", one.name()));
+  return options.agents == 1 ? one : Robot::team(std::vector<Robot>(options.agents, one));
+}
+
 std::shared_ptr<const Scene> scene_of(const std::string& path, const GridMap& map, const ReadOptions& options) {
   auto boxes = boxes_of(
       path, map.width, map.height, [&](std::size_t column, std::size_t row) { return !map.free(column, row); }, {},
       1.0);
   const Box2 bounds{{0.0, 0.0}, {static_cast<double>(map.width), static_cast<double>(map.height)}};
-  return std::make_shared<const PlanarScene>(World(bounds, std::move(boxes)), options.robot.value_or(Robot::point()));
+  return std::make_shared<const PlanarScene>(World(bounds, std::move(boxes)), robot_of(options));
 }
 
 struct Query {
@@ -182,6 +191,41 @@ Configuration centre(const GridMap& map, std::size_t column, std::size_t row, st
   return q;
 }
 
+/// Queries that are the robots of one team.
+class Agents {
+ public:
+  explicit Agents(const SourceText& text) : text_(text) {}
+
+  [[nodiscard]] std::size_t size() const { return queries_.size(); }
+  void add(const Query& query, std::size_t line) {
+    for (std::size_t k = 0; k < query.cells.size(); k += 2) {
+      const std::array cell = {query.cells.at(k), query.cells.at(k + 1)};
+      const auto [before, fresh] = (k == 0 ? starts_ : goals_).emplace(cell, line);
+      if (fresh) continue;
+      throw text_.error(line, fmt::format("the {} cell ({}, {}) is that of the agent in line {}",
+                                          k == 0 ? "start" : "goal", cell[0], cell[1], before->second));
+    }
+    queries_.push_back(query);
+  }
+  void place(const GridMap& map, Problem& problem) const {
+    problem.goals.assign(1, {});
+    const std::size_t axes = problem.space.dimension() / queries_.size();
+    for (const Query& query : queries_) {
+      for (std::size_t k = 0; k < query.cells.size(); k += 2) {
+        const Configuration q = centre(map, query.cells.at(k), query.cells.at(k + 1), axes);
+        Configuration& all = k == 0 ? problem.start : problem.goals.front();
+        all.insert(all.end(), q.begin(), q.end());
+      }
+    }
+  }
+
+ private:
+  const SourceText& text_;
+  std::vector<Query> queries_;
+  std::map<std::array<std::size_t, 2>, std::size_t> starts_;  ///< the line of each cell
+  std::map<std::array<std::size_t, 2>, std::size_t> goals_;
+};
+
 }  // namespace
 
 bool is_moving_ai_map(const SourceText& text) {
@@ -215,7 +259,8 @@ SceneFile read_moving_ai_queries(const SourceText& text, const ReadOptions& opti
   GridMap map;
   std::shared_ptr<const Scene> scene;
   RowErrors errors;
-  for (std::size_t i = 1; i < text.lines.size(); ++i) {
+  Agents agents(text);
+  for (std::size_t i = 1; i < text.lines.size() && (options.agents == 0 || agents.size() < options.agents); ++i) {
     const auto words = words_of(text.lines[i]);
     if (words.empty()) continue;
     if (!scene) {
@@ -231,6 +276,10 @@ SceneFile read_moving_ai_queries(const SourceText& text, const ReadOptions& opti
     }
     errors.attempt([&] {
       const Query query = query_of(text, i + 1, words, map, map_name);
+      if (options.agents > 0) {
+        agents.add(query, i + 1);
+        return;
+      }
       Problem problem = problem_in(fmt::format("{}/{}", stem_of(map_name), i), scene, options);
       const std::size_t dimension = problem.space.dimension();
       problem.start = centre(map, query.cells[0], query.cells[1], dimension);
@@ -240,6 +289,15 @@ SceneFile read_moving_ai_queries(const SourceText& text, const ReadOptions& opti
     });
   }
   errors.raise();
+  if (options.agents > 0 && scene) {
+    if (agents.size() < options.agents) {
+      throw text.error(text.last(), fmt::format("{} agents, expected at least {}: the option 'agents' asks for them",
+                                                agents.size(), options.agents));
+    }
+    Problem& problem = file.problems.emplace_back(
+        problem_in(fmt::format("{}/{} agents", stem_of(map_name), options.agents), scene, options));
+    agents.place(map, problem);
+  }
   if (file.problems.empty()) throw text.error(text.last(), "no queries, expected at least one");
   add_remarks(std::move(map), file);
   return file;

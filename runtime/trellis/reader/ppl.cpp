@@ -52,12 +52,16 @@ struct Placed {
   Origin origin = Origin::vertex_mean;
 };
 
+struct ActiveBody {
+  Placed body;
+  bool planar = false;  ///< whether it moves in the plane
+  bool rotates = false;
+  std::string path;  ///< the file that has it
+};
+
 struct Environment {
   Box3 bounds;
-  bool planar = false;  ///< whether the robot moves in the plane
-  bool rotates = false;
-  std::string robot_path;  ///< the file that has the robot
-  Placed robot;
+  std::vector<ActiveBody> robots;  ///< more than one only in the plane
   std::vector<Placed> obstacles;
 };
 
@@ -94,9 +98,6 @@ class EnvironmentReader {
       next(fmt::format("body {} of {}", i + 1, count));
       const std::string kind = lower(take());
       if (kind == "active") {
-        if (!environment_.robot_path.empty()) {
-          throw fault("a second active body: problems of several robots are not read");
-        }
         robot();
       } else if (kind == "passive") {
         next("the file of a passive body");
@@ -220,7 +221,8 @@ class EnvironmentReader {
       throw fault(fmt::format("a robot of {} bodies; only rigid bodies are read", parts));
     }
     next("the robot's file");
-    environment_.robot = body();
+    ActiveBody robot;
+    robot.body = body();
     next("'Planar' or 'Volumetric'");
     const std::string base = lower(take());
     if (base != "planar" && base != "volumetric") throw expected("'Planar' or 'Volumetric'", base);
@@ -229,9 +231,16 @@ class EnvironmentReader {
     if (movement != "rotational" && movement != "translational") {
       throw expected("'Rotational' or 'Translational'", movement);
     }
-    environment_.robot_path = source_.path;
-    environment_.planar = base == "planar";
-    environment_.rotates = movement == "rotational";
+    robot.path = source_.path;
+    robot.planar = base == "planar";
+    robot.rotates = movement == "rotational";
+    environment_.robots.push_back(robot);
+    if (environment_.robots.size() > 1 && !(robot.planar && environment_.robots.front().planar)) {
+      throw fault("a second active body: several robots are read only where all are 'Planar'");
+    }
+    if (environment_.robots.size() > Robot::most_members) {
+      throw fault(fmt::format("more than {} active bodies", Robot::most_members));
+    }
     next("'Connections'");
     if (const auto word = lower(take()); word != "connections" && word != "connection") {
       throw expected("'Connections' and their number", word);
@@ -247,14 +256,12 @@ class EnvironmentReader {
   std::size_t line_ = 0;  // counted from 1, of rest_
 };
 
-/// Reads the configurations of a query, one in a line; a number of the robot may come first. Angles are fractions of
-/// pi.
+/// Reads the configurations of a query, one in a line, after the number of its robot, which one robot alone may omit;
+/// those of several robots are joined: the first of each robot, then the second of each. Angles are fractions of pi.
 std::vector<Configuration> read_query(const std::string& path, const Environment& environment) {
   const SourceText source = SourceText::load(path);
-  const std::size_t positions = environment.planar ? 2 : 3;
-  const std::size_t angles = environment.rotates ? (environment.planar ? 1 : 3) : 0;
-  const std::size_t wanted = positions + angles;
-  std::vector<Configuration> result;
+  const std::vector<ActiveBody>& robots = environment.robots;
+  std::vector<std::vector<Configuration>> found(robots.size());
   for (std::size_t line = 1; line <= source.lines.size(); ++line) {
     std::string_view rest = source.lines[line - 1];
     rest = rest.substr(0, rest.find('#'));
@@ -266,30 +273,54 @@ std::vector<Configuration> read_query(const std::string& path, const Environment
       numbers.push_back(*value);
     }
     if (numbers.empty()) continue;
-    if (numbers.size() == wanted + 1) {
-      if (numbers.front() != 0.0) throw source.error(line, fmt::format("there is no robot {}", numbers.front()));
+    std::size_t robot = 0;
+    const auto known = [&](double number) {
+      return number >= 0.0 && number < static_cast<double>(robots.size()) && number == std::floor(number);
+    };
+    if (robots.size() > 1 && !known(numbers.front())) {
+      throw source.error(
+          line, fmt::format("expected the number of a robot, 0 to {}, got {}", robots.size() - 1, numbers.front()));
+    }
+    if (robots.size() > 1) robot = static_cast<std::size_t>(numbers.front());
+    const bool planar = robots[robot].planar;
+    const std::size_t positions = planar ? 2 : 3;
+    const std::size_t angles = robots[robot].rotates ? (planar ? 1 : 3) : 0;
+    const std::size_t wanted = positions + angles;
+    if (robots.size() > 1 || numbers.size() == wanted + 1) {
+      if (!known(numbers.front())) throw source.error(line, fmt::format("there is no robot {}", numbers.front()));
       numbers.erase(numbers.begin());
     }
     if (numbers.size() != wanted) {
-      throw source.error(line, fmt::format("expected {} numbers ({} of position, {} angles as fractions of pi), got {}",
-                                           wanted, positions, angles, numbers.size()));
+      throw source.error(
+          line,
+          fmt::format("expected {} numbers{} ({} of position, {} angles as fractions of pi), got {}", wanted,
+                      robots.size() > 1 ? fmt::format(" of robot {}", robot) : "", positions, angles, numbers.size()));
     }
     constexpr double pi = std::numbers::pi;
-    if (environment.planar) {
-      if (environment.rotates) numbers[2] *= pi;
-      result.push_back(std::move(numbers));
-      continue;
-    }
-    if (environment.rotates) {
+    if (planar) {
+      if (angles > 0) numbers[2] *= pi;
+    } else if (angles > 0) {
       const Quaternion q = normalised(euler(pi * numbers[3], pi * numbers[4], pi * numbers[5]));
       numbers.resize(3);
       numbers.insert(numbers.end(), {q.x, q.y, q.z, q.w});
     }
-    result.push_back(std::move(numbers));
+    found[robot].push_back(std::move(numbers));
   }
-  if (result.size() < 2) {
-    throw source.error(std::max<std::size_t>(source.lines.size(), 1),
-                       fmt::format("a query needs a start and a goal, got {} configurations", result.size()));
+  const std::size_t last = std::max<std::size_t>(source.lines.size(), 1);
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    if (found[i].size() == found[0].size()) continue;
+    throw source.error(last, fmt::format("robot 0 has {} configurations and robot {} has {}; expected as many of each",
+                                         found[0].size(), i, found[i].size()));
+  }
+  if (found[0].size() < 2) {
+    throw source.error(last, fmt::format("a query needs a start and a goal, got {} configurations{}", found[0].size(),
+                                         robots.size() > 1 ? " of each robot" : ""));
+  }
+  std::vector<Configuration> result = std::move(found[0]);
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    for (std::size_t k = 0; k < result.size(); ++k) {
+      result[k].insert(result[k].end(), found[i][k].begin(), found[i][k].end());
+    }
   }
   return result;
 }
@@ -365,6 +396,9 @@ Prism prism_of(const Solid& solid, const std::string& where) {
   return {validated_polygon({std::move(outline)}, where), bounds.lo.z, bounds.hi.z};
 }
 
+/// Whether one is above the other.
+bool apart(const Prism& a, const Prism& b) { return a.hi <= b.lo || b.hi <= a.lo; }
+
 /// The mean of a mesh's surface.
 Vec3 surface_mean(const Mesh& mesh) {
   Vec3 sum;
@@ -414,24 +448,38 @@ std::string name_of(std::size_t obstacle, const Placed& body) {
 Problem planar_problem(const std::string& path, const Environment& environment, const MeshFolder& meshes,
                        const ReadOptions& options, std::vector<std::string>& warnings) {
   const auto where = [&](const Placed& body) { return fmt::format("{}:{}: {}", path, body.line, body.file); };
-  const Prism robot =
-      prism_of(solid_of(environment.robot, meshes),
-               fmt::format("{}:{}: {}", environment.robot_path, environment.robot.line, environment.robot.file));
+  std::vector<Prism> prisms;
+  std::vector<Robot> robots;
+  for (const ActiveBody& robot : environment.robots) {
+    const std::string place = fmt::format("{}:{}: {}", robot.path, robot.body.line, robot.body.file);
+    prisms.push_back(prism_of(solid_of(robot.body, meshes), place));
+    if (apart(prisms.front(), prisms.back())) {
+      throw Error(
+          fmt::format("{}: it is above or below the first robot; robots of the plane must be at one height", place));
+    }
+    robots.push_back(Robot::rigid({prisms.back().outline}, robot.rotates));
+  }
   std::vector<Obstacle> obstacles;
   for (std::size_t i = 0; i < environment.obstacles.size(); ++i) {
     const Placed& body = environment.obstacles[i];
     const Prism prism = prism_of(solid_of(body, meshes), where(body));
-    if (prism.hi <= robot.lo || robot.hi <= prism.lo) {
+    const auto passed =
+        std::count_if(prisms.begin(), prisms.end(), [&](const Prism& robot) { return apart(prism, robot); });
+    if (passed == static_cast<std::ptrdiff_t>(prisms.size())) {
       warnings.push_back(
           fmt::format("{}: it is above or below the robot, which moves in the plane, and was left out", where(body)));
       continue;
+    }
+    if (passed > 0) {
+      warnings.push_back(
+          fmt::format("{}: it is above or below some of the robots, and is an obstacle of all", where(body)));
     }
     obstacles.push_back({name_of(i, body), prism.outline});
   }
   const auto& [lo, hi] = environment.bounds;
   return problem_in(fs::path(path).stem().string(),
                     std::make_shared<PlanarScene>(World({{lo.x, lo.y}, {hi.x, hi.y}}, std::move(obstacles)),
-                                                  Robot::rigid({robot.outline}, environment.rotates)),
+                                                  robots.size() == 1 ? robots.front() : Robot::team(robots)),
                     options);
 }
 
@@ -442,7 +490,8 @@ Problem problem_of(const std::string& path, const Environment& environment, cons
     obstacles.push_back({name_of(i, environment.obstacles[i]), solid_of(environment.obstacles[i], meshes)});
   }
   World3 world(environment.bounds, std::move(obstacles));
-  Robot3 robot(environment.robot.file, {solid_of(environment.robot, meshes)}, environment.rotates);
+  const ActiveBody& active = environment.robots.front();
+  Robot3 robot(active.body.file, {solid_of(active.body, meshes)}, active.rotates);
   return spatial_problem(fs::path(path).stem().string(), std::move(world), std::move(robot), options);
 }
 
@@ -463,22 +512,25 @@ SceneFile read_ppl(const SourceText& text, const ReadOptions& options) {
   }
   SceneFile file;
   Environment environment = EnvironmentReader(place == path ? text : SourceText::load(place)).read();
-  if (environment.robot_path.empty()) {
+  if (environment.robots.empty()) {
     EnvironmentReader(SourceText::load(robot_file(place, file.warnings))).read_robot(environment);
   }
   file.format = "environment of PPL";
   file.units = "1 unit = 1 m; angles in degrees, in queries as fractions of pi";
   file.frame = "each mesh is about the mean of its vertices, or about what its option -a names";
   MeshFolder meshes(place);
-  if (environment.robot_path != place && !fs::exists(beside(place, environment.robot.file), ignored)) {
-    throw Error(fmt::format("{}:{}: its mesh is not there: {}, named from the environment's folder",
-                            environment.robot_path, environment.robot.line, environment.robot.file));
+  for (const ActiveBody& robot : environment.robots) {
+    if (robot.path != place && !fs::exists(beside(place, robot.body.file), ignored)) {
+      throw Error(fmt::format("{}:{}: its mesh is not there: {}, named from the environment's folder", robot.path,
+                              robot.body.line, robot.body.file));
+    }
+    meshes.need(robot.body.file, robot.body.line);
   }
-  meshes.need(environment.robot.file, environment.robot.line);
   for (const Placed& body : environment.obstacles) meshes.need(body.file, body.line);
   meshes.load({}, file.warnings);
-  const Problem problem = environment.planar ? planar_problem(place, environment, meshes, options, file.warnings)
-                                             : problem_of(place, environment, meshes, options);
+  const Problem problem = environment.robots.front().planar
+                              ? planar_problem(place, environment, meshes, options, file.warnings)
+                              : problem_of(place, environment, meshes, options);
   if (!fs::exists(query, ignored)) {
     file.problems.push_back(problem);
     return file;

@@ -140,6 +140,10 @@ SceneFile read_scene(const std::string& path, const ReadOptions& options) {
   check_options(path, options);
   require_readable(path);
   SceneFile file = read_format(path, options);
+  if (options.agents > 0 && file.format != "Moving AI queries") {
+    throw Error(fmt::format("{}: it is a file of the format {}; agents are in queries of Moving AI (.scen)", path,
+                            file.format));
+  }
   place_ends(path, options, file);
   return file;
 }

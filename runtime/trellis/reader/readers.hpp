@@ -31,8 +31,10 @@ struct ReadOptions {
   Configuration start = {};                ///< replaces the start of the file's one problem; empty: as in the file
   Configuration goal = {};                 ///< replaces its goal
   MapServer map_server = MapServer::nav2;  ///< of maps of ROS
-  std::optional<Pose3> start_pose = {};    ///< in place of `start`, of a body in space
-  std::optional<Pose3> goal_pose = {};     ///< in place of `goal`, of a body in space
+  std::size_t agents = 0;  ///< the first so many queries of Moving AI are one problem of a team; 0: each is a problem
+  double agent_radius = 0.3;             ///< of the team's discs, metres, unless there is a `robot`
+  std::optional<Pose3> start_pose = {};  ///< in place of `start`, of a body in space
+  std::optional<Pose3> goal_pose = {};   ///< in place of `goal`, of a body in space
 };
 
 /// What a scene file of another project contains.

@@ -16,6 +16,15 @@ namespace trellis {
 
 namespace {
 
+/// What a start or a goal touches; of a team which robot does.
+std::string collision_text(const Contact& contact, const Scene& scene) {
+  const bool team = scene.planar() != nullptr && scene.members().size() > 1;
+  if (!team) return " is in collision with " + describe(contact, scene);
+  const std::string robot = scene.body_name(contact.body);
+  return contact.other ? fmt::format(": {} meets {}", robot, scene.body_name(*contact.other))
+                       : fmt::format(": {} is in collision with {}", robot, describe(contact, scene));
+}
+
 /// Suggests a replacement for an invalid start or goal.
 std::string nearest(const Problem& problem, const Configuration& q, const Checker& checker) {
   for (const double x : q) {
@@ -103,8 +112,8 @@ void check(const Problem& problem) {
                               fmt::join(q, ", "), problem.motion_model->text()));
     }
     if (const auto contact = checker->contact(q)) {
-      throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}; {}", problem.name, what,
-                              fmt::join(q, ", "), describe(*contact, *problem.scene), nearest(problem, q, *checker)));
+      throw Error(fmt::format("problem '{}': {} ({:g}){}; {}", problem.name, what, fmt::join(q, ", "),
+                              collision_text(*contact, *problem.scene), nearest(problem, q, *checker)));
     }
   }
 }

@@ -29,11 +29,14 @@ struct LevelRecord {
   Configuration goal;
   std::vector<std::size_t> position_axes;  ///< axes of the reference point's position; empty if none
   std::shared_ptr<const Scene> scene;      ///< world and robot of its instance
-  bool presumed = false;                   ///< its validity was presumed instead of checked
-  std::string planner;                     ///< name of the planner in scripts
-  std::uint64_t solves = 0;                ///< number of solves, including further ones
-  Resolves resolves;                       ///< number of further solves, by reason
-  int solved_as = -1;  ///< number of levels whose first solve ended before that of this one; -1: never solved
+  /// Whether the first coordinates are those of the scene's robot, where the space has as many: not where they say how
+  /// far other robots are.
+  bool places_robot = true;
+  bool presumed = false;     ///< its validity was presumed instead of checked
+  std::string planner;       ///< name of the planner in scripts
+  std::uint64_t solves = 0;  ///< number of solves, including further ones
+  Resolves resolves;         ///< number of further solves, by reason
+  int solved_as = -1;        ///< number of levels whose first solve ended before that of this one; -1: never solved
   /// Whether a guide, or a path from another guide, drew proposals for it.
   bool guided = false;
   /// Validity checks by the accounts of bounded loss: those of guided proposals and of the validation of guiding paths;
@@ -127,11 +130,11 @@ struct RunRecord {
   /// Part of `cpu_seconds`: functions in Lua and what they call, and loading their script. Calls are timed by the wall
   /// clock, so this is their share of `seconds`, times `cpu_seconds`. 0 where no such function was called.
   double lua_seconds = 0.0;
-  Configurations path;                ///< from start to goal; empty if unsolved
-  double length = 0.0;                ///< of `path`, in metres in the metric
+  Configurations path;                  ///< from start to goal; empty if unsolved
+  double length = 0.0;                  ///< of `path`, in metres in the metric
   std::optional<TeamTimes> times = {};  ///< of `path`, where the robot is a team
-  Trajectory trajectory;              ///< controls of the path if the problem has a motion model
-  std::uint64_t validity_checks = 0;  ///< over all levels
+  Trajectory trajectory;                ///< controls of the path if the problem has a motion model
+  std::uint64_t validity_checks = 0;    ///< over all levels
   std::uint64_t motion_checks = 0;
   /// Part of `validity_checks`: those of an anytime planner after its first path, spent on shorter ones.
   std::uint64_t improvement_checks = 0;

@@ -40,17 +40,6 @@ void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
   }
 }
 
-namespace {
-
-/// The scene of an instance for its record; none where its robot is not placed by the first coordinates, but by others.
-std::shared_ptr<const Scene> recorded_scene(const Instance& instance) {
-  const bool others = instance.validity_of && instance.scene != nullptr &&
-                      instance.space.dimension() >= instance.scene->robot_dimension();
-  return others ? nullptr : instance.scene;
-}
-
-}  // namespace
-
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
              const PlannerSpec& planner, std::shared_ptr<Guide> lift)
     : run_(run),
@@ -73,7 +62,8 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.start = instance_->start;
   record_.goal = instance_->goal();
   record_.position_axes = instance_->position_axes;
-  record_.scene = recorded_scene(*instance_);
+  record_.scene = instance_->scene;
+  record_.places_robot = !instance_->validity_of;
   record_.presumed = !instance_->validity->spends_checks();
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
@@ -122,7 +112,7 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
   instance->step = instance_->step;
   if (!kind_.graph) instance->graph = nullptr;
   *instance_ = std::move(*instance);
-  record_.scene = recorded_scene(*instance_);
+  record_.scene = instance_->scene;
   record_.solution = {};
   found_ = false;
 }
@@ -287,7 +277,7 @@ void fit(Search& search) {
 }  // namespace
 
 void Level::complete(LevelRecord& record, bool lift, const Level* companion) const {
-  record.scene = recorded_scene(*instance_);
+  record.scene = instance_->scene;
   record.search.checks = instance_->checks;
   if (companion != nullptr) {
     const bool expands = record.search.expands;

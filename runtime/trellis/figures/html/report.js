@@ -58,14 +58,24 @@ const short = {
   rejected: 'rejected',
 };
 
+/// What `of` is for one robot of a team.
+function traceOf(of, raw) {
+  const trace = Object.create(of);
+  trace.member = raw.robot;
+  [trace.x, trace.y, trace.z] = raw.position;
+  trace.tip = !!raw.tip;
+  if (raw.tip) trace.robot = Object.assign(Object.create(of.robot), { tip: raw.tip });
+  return trace;
+}
+
 function unpackLevel(raw, number) {
   const axes = raw.axes.map(([name, lo, hi, periodic, weight]) => ({ name, lo, hi, periodic: !!periodic, weight }));
   const level = { number, raw, axes, name: raw.name, nodes: rows(raw.nodes, axes), proposals: rows(raw.proposals, axes) };
   const n = level.nodes.size, p = level.proposals.size;
   level.robot = data.robots[raw.robot] || null;
+  level.own = q => q.subarray(raw.first || 0);  // of the robot, without how far others are along their paths
   // Of a robot of links and joints in space the tip has a position.
   level.tip = raw.position.length < 2 && !!level.robot && !!level.robot.bodies && !!level.robot.tip && axes.length >= level.robot.dimension;
-  level.drawn = raw.position.length >= 2 || level.tip;
   [level.x, level.y, level.z] = raw.position;
   level.rotations = raw.rotations || [];      // the first columns of unit quaternions
   level.parents = raw.parents === null ? null : numbers(raw.parents).map((delta, i) => i - signed(delta));
@@ -95,6 +105,10 @@ function unpackLevel(raw, number) {
   level.direct = new Uint8Array(n);           // it was added for it, not after it
   level.paths = [];                           // {time, rows}: what its solves found
   level.spans = [];                           // {from, to, solve}
+  // The level as seen by each robot that has a position in it: of a team with positions and a colour of its own.
+  level.traces = (raw.traces || []).map(t => traceOf(level, t));
+  if (!raw.traces && (raw.position.length >= 2 || level.tip)) level.traces = [level];
+  level.drawn = level.traces.length > 0;
   return level;
 }
 
@@ -181,12 +195,13 @@ const roles = ['tree', 'expansion', 'path'];
 
 const cell = () => data.cells[state.scene][state.method];
 /// By default all layers of the root, and the trees and paths of the levels that guide it. In space proposals would cover
-/// the scene.
+/// the scene, and so would those of many robots, of whose levels the root is shown.
 const defaultLayers = () => {
   const on = new Set();
   for (const level of run ? run.levels : []) {
+    if (team() && level.number > 0) break;
     on.add(level.number + ':tree').add(level.number + ':path');
-    if (level.number === 0 && !spatial()) on.add('0:expansion');
+    if (level.number === 0 && !spatial() && !team()) on.add('0:expansion');
   }
   return on;
 };
@@ -292,7 +307,11 @@ function readColours() {
   colours.sources = ['muted', 'trapped', 'advanced', 'reached', 'invalid'].map(name => colours[name])
       .concat(colours.levels.slice(1));
 }
-const levelColour = level => colours.levels[level.number % 4];
+/// Of a robot of a team its own.
+const levelColour = level => team() && level.member !== undefined ? team()[level.member].colour : colours.levels[level.number % 4];
+/// In lists a level of one robot of a team has the robot's colour.
+const listColour = level => levelColour(level.traces.length === 1 ? level.traces[0] : level);
+const team = () => data.problems[state.scene].team;
 /// Beyond four levels the lines are dashed.
 const levelDash = level => [[], [5, 3], [1.5, 2.5]][Math.floor(level.number / 4) % 3];
 const sourceColour = i => colours.sources[i % colours.sources.length];
@@ -361,6 +380,13 @@ const posesOf = (robot, q) => robot.bodies ? space3.bodyPoses(robot, q) : partsO
 const tipOf = (robot, q) => { const [body, ...point] = robot.tip; return space3.placed(space3.bodyPoses(robot, q)[body], point); };
 const poseOf = (robot, q) => ({ position: [q[0], q[1], q[2]], rotation: robot.rotates ? space3.unit([q[3], q[4], q[5], q[6]]) : [0, 0, 0, 1] });
 
+/// The colour of the robot of a team that a body belongs to; null of a robot alone.
+function memberColour(problem, robot, body) {
+  if (!team() || robot !== data.robots[problem.robot] || !robot.bodies) return null;
+  const column = robot.bodies[body].column, member = team().find(m => m.axes.includes(column));
+  return member ? member.colour : null;
+}
+
 /// Draws the solids of a scene of space into its depth buffer: obstacles, and robots as [robot, q, colour]. Keeps the
 /// picture while nothing of it changes.
 function drawSolids(problem, robots) {
@@ -375,7 +401,7 @@ function drawSolids(problem, robots) {
     }
     for (const [robot, q, colour] of robots) {
       const poses = posesOf(robot, q);
-      partsOf(robot.surfaces).forEach((part, i) => picture.surface(part, frame, place, rgb(colour), null, { pose: poses[i], dark: 0.6, bias: frame.bias }));
+      partsOf(robot.surfaces).forEach((part, i) => picture.surface(part, frame, place, rgb(colour === colours.ends ? colour : memberColour(problem, robot, i) || colour), null, { pose: poses[i], dark: 0.6, bias: frame.bias }));
     }
     canvas.solids = { key, picture: picture.finish() };
   }
@@ -494,8 +520,8 @@ function shapePath(shape, place) {
 /// The poses of a robot's bodies, as computed by Robot::place.
 function poses(robot, q) {
   const out = [];
-  const [rx, ry] = robot.translates ? [q[0], q[1]] : robot.base;
   for (const body of robot.bodies) {
+    const [rx, ry] = robot.translates ? [q[0], q[1]] : body.position >= 0 ? [q[body.position], q[body.position + 1]] : robot.base;
     const above = body.parent < 0 ? { x: rx, y: ry, c: 1, s: 0 } : out[body.parent];
     const [jx, jy] = body.joint;
     const pose = { x: above.x + above.c * jx - above.s * jy, y: above.y + above.s * jx + above.c * jy, c: above.c, s: above.s };
@@ -512,22 +538,26 @@ function poses(robot, q) {
 function drawRobot(robot, q, options) {
   if (!robot || q.length < robot.dimension) return false;
   if (frame.space) return drawRobot3(robot, q, options);
-  const at = poses(robot, q);
-  pen.beginPath();
+  const at = poses(robot, q), members = new Set(robot.bodies.map(body => body.robot));
   let extent = 0;
-  robot.bodies.forEach((body, i) => {
-    for (const part of body.parts) {
-      extent = Math.max(extent, part.length === 3 ? part[2] : 1);
-      shapePath(part, (x, y) => [at[i].x + at[i].c * x - at[i].s * y, at[i].y + at[i].s * x + at[i].c * y]);
-    }
-  });
-  if (extent === 0) return false;  // a point
-  if (options.fill) { pen.globalAlpha = options.fillAlpha || 0.25; pen.fillStyle = options.fill; pen.fill(); }
-  pen.globalAlpha = options.alpha || 1;
-  pen.strokeStyle = options.stroke;
-  pen.lineWidth = options.width || 1.25;
-  pen.stroke();
-  pen.globalAlpha = 1;
+  for (const member of members) {
+    pen.beginPath();
+    robot.bodies.forEach((body, i) => {
+      if (body.robot !== member) return;
+      for (const part of body.parts) {
+        extent = Math.max(extent, part.length === 3 ? part[2] : 1);
+        shapePath(part, (x, y) => [at[i].x + at[i].c * x - at[i].s * y, at[i].y + at[i].s * x + at[i].c * y]);
+      }
+    });
+    if (extent === 0) return false;  // a point
+    const own = team() && member !== undefined ? team()[member].colour : null;
+    if (options.fill) { pen.globalAlpha = options.fillAlpha || 0.25; pen.fillStyle = own || options.fill; pen.fill(); }
+    pen.globalAlpha = options.alpha || 1;
+    pen.strokeStyle = own || options.stroke;
+    pen.lineWidth = options.width || 1.25;
+    pen.stroke();
+    pen.globalAlpha = 1;
+  }
   return true;
 }
 
@@ -704,8 +734,12 @@ function drawSelected() {
   if (!s) return;
   const level = run.levels[s.level];
   const q = sampleRow(s);
-  drawRobot(level.robot, q, { stroke: colours.ink, fill: levelColour(level), fillAlpha: 0.35, width: 1.6 });
-  if (!level.drawn) return;
+  for (const trace of level.traces) drawSelectedTrace(s, trace, q);
+  drawRobot(level.robot, level.own(q), { stroke: colours.ink, fill: levelColour(level), fillAlpha: 0.35, width: 1.6 });
+}
+
+/// The motions that lead to a selected sample, of one robot.
+function drawSelectedTrace(s, level, q) {
   const point = row => frame.at(row, level).slice(0, 2);
   const [x, y] = point(q);
   let node = s.role === 'tree' ? s.index : level.near[s.index];
@@ -734,8 +768,7 @@ function drawSelected() {
 
 function drawNewest() {
   if (!run || state.at === 0 || state.at >= run.total) return;
-  for (const level of run.levels) {
-    if (!level.drawn) continue;
+  for (const level of run.levels.flatMap(l => l.traces)) {
     const p = until(level.proposalTime, state.at) - 1;
     if (p < 0 || level.proposalTime[p] !== state.at) continue;
     const [x, y] = frame.at(level.proposals.row(p), level);
@@ -803,15 +836,16 @@ function drawRun() {
   const now = view();
   if (run) {
     const deepest = [...run.levels].reverse();
-    const drawTrees = () => { for (const level of deepest) if (shown(level, 'tree')) drawTree(level, now[level.number].n); };
-    const drawAllProposals = () => { for (const level of deepest) if (shown(level, 'expansion')) drawProposals(level, now[level.number].p); };
+    const each = (role, f) => { for (const level of deepest) if (shown(level, role)) for (const trace of level.traces) f(trace); };
+    const drawTrees = () => each('tree', trace => drawTree(trace, now[trace.number].n));
+    const drawAllProposals = () => each('expansion', trace => drawProposals(trace, now[trace.number].p));
     // Draw samples above the trees that they created, and a density below them.
     if (state.show === 'density') { drawAllProposals(); drawTrees(); } else { drawTrees(); drawAllProposals(); }
     for (const level of deepest) {
       const path = shown(level, 'path') && pathNow(level);
       if (!path || !path.size) continue;
-      drawPath(level, path, level.number === 0 ? 2.6 : 1.8);
-      if (level.number === 0) {
+      for (const trace of level.traces) drawPath(trace, path, level.number === 0 ? 2.6 : 1.8);
+      if (level.number === 0 && !team()) {
         const every = Math.max(1, Math.floor(path.size / (frame.space ? 12 : 40)));
         if (state.along === null) for (let i = 0; i < path.size; i += every) drawRobot(robot, path.row(i), { stroke: levelColour(level), alpha: 0.4, width: 1 });
       }
@@ -825,7 +859,8 @@ function drawRun() {
   pen.textBaseline = 'bottom';
   // As in the figures: the start is filled, a goal is an outline.
   const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', null]);
-  for (const [q, name, fill] of [[problem.start, 'start', colours.ends], ...goals]) {
+  for (const [q, name, fill] of [...goals, [problem.start, 'start', colours.ends]]) {
+    if (team() && !frame.space) { drawTeamEnd(problem, robot, q, fill); continue; }
     const tip = frame.space && robot && robot.bodies;
     if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
     const [x, y] = tip ? frame.project(...tipOf(robot, q)) : problem.position.length >= 2 ? frame.at(q, { x: problem.position[0], y: problem.position[1], z: problem.position[2] })
@@ -843,12 +878,34 @@ function drawRun() {
   if (run) { drawDriven(robot); drawNewest(); drawSelected(); }
 }
 
+/// A team at the start, filled, or at a goal, an outline.
+function drawTeamEnd(problem, robot, q, fill) {
+  drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: state.along === null ? 0.75 : 0.2, width: 1.8 });
+  if (fill && state.along === null) drawNumbers(problem, q);
+}
+
+/// The numbers of the robots of a team where they are.
+function drawNumbers(problem, q) {
+  pen.font = '600 11px system-ui, sans-serif';
+  pen.textAlign = 'center';
+  pen.textBaseline = 'middle';
+  for (const trace of problem.traces.map(t => traceOf({}, t))) {
+    const [x, y] = frame.at(q, trace), text = String(team()[trace.member].number);
+    pen.lineWidth = 2; pen.strokeStyle = levelColour(trace); pen.lineJoin = 'round'; pen.strokeText(text, x, y);
+    pen.fillStyle = '#ffffff'; pen.fillText(text, x, y);
+  }
+  pen.textAlign = 'left';
+  pen.textBaseline = 'bottom';
+}
+
 /// The robot at its place on the path: the configuration at a share of the path's length in the root's metric.
 function drawDriven(robot) {
   const root = run.levels[0];
   if (state.along === null || !run.path || !root) return;
   const q = onPath(run.path, root, state.along / 1000);
-  if (drawRobot(robot, q, { stroke: colours.ink, fill: levelColour(root), fillAlpha: 0.75, width: 1.8 }) || !root.drawn) return;
+  const solid = drawRobot(robot, q, { stroke: colours.ink, fill: levelColour(root), fillAlpha: 0.75, width: 1.8 });
+  if (team() && !frame.space) drawNumbers(data.problems[state.scene], q);
+  if (solid || root.traces[0] !== root) return;
   pen.beginPath();
   pen.arc(...frame.at(q, root).slice(0, 2), 6, 0, 7);
   pen.fillStyle = levelColour(root);
@@ -864,10 +921,18 @@ const difference = (axis, a, b) => {
   return axis.periodic ? b - a - period * Math.round((b - a) / period) : b - a;
 };
 
-/// The length of a straight motion in a level's metric.
-function distance(level, a, b) {
+/// The time of a straight motion: its length in a level's metric; in the whole team's, that of the robot with the
+/// longest motion.
+function duration(level, a, b) {
+  if (!team() || level.number !== 0) return distance(level, a, b);
+  return Math.max(...team().map(({ axis, axes }) => distance(level, a, b, axis, axis + axes)));
+}
+
+/// The length of a straight motion in a level's metric, of the axes from one on, below another.
+function distance(level, a, b, from = 0, to = level.axes.length) {
   let sum = 0;
   level.axes.forEach((axis, j) => {
+    if (j < from || j >= to) return;
     const first = level.rotations.find(r => j >= r && j < r + 4);
     if (first === undefined) sum += (axis.weight * difference(axis, a[j], b[j])) ** 2;
     else if (first === j) sum += (axis.weight * space3.angle(space3.unit([...a.slice(j, j + 4)]), space3.unit([...b.slice(j, j + 4)]))) ** 2;
@@ -877,7 +942,7 @@ function distance(level, a, b) {
 
 function onPath(path, level, share) {
   const lengths = [0];
-  for (let i = 1; i < path.size; i++) lengths.push(lengths[i - 1] + distance(level, path.row(i - 1), path.row(i)));
+  for (let i = 1; i < path.size; i++) lengths.push(lengths[i - 1] + duration(level, path.row(i - 1), path.row(i)));
   const at = share * lengths[path.size - 1], end = Math.min(path.size - 1, Math.max(1, until(lengths, at)));
   if (path.size < 2) return path.row(0);
   const a = path.row(end - 1), b = path.row(end), piece = lengths[end] - lengths[end - 1];
@@ -967,7 +1032,7 @@ function showSample() {
   const go = (text, target) => make('button', { type: 'button', className: 'link', textContent: text, onclick: () => setSelect(target) });
   const node = index => go('node ' + index, { level: s.level, role: 'tree', index });
   line('sample', (s.role === 'tree' ? 'node ' : 'proposal ') + s.index + ' of ' + (s.role === 'tree' ? level.nodes : level.proposals).size);
-  line('level', make('span', { className: 'swatch', style: 'background:' + levelColour(level) }), levelTitle(level), ', ' + level.raw.space + ', ' + level.raw.planner);
+  line('level', make('span', { className: 'swatch', style: 'background:' + listColour(level) }), levelTitle(level), ', ' + level.raw.space + ', ' + level.raw.planner);
   let source = '';
   if (proposal >= 0) {
     source = level.raw.sources[level.source[proposal]] || '';
@@ -1029,7 +1094,7 @@ function showLevels() {
   for (const level of run.levels) {
     const row = make('tr'), name = make('td', { className: 'name' });
     name.style.paddingLeft = (0.3 + 0.8 * level.raw.depth) + 'em';
-    name.append(make('span', { className: 'swatch', style: 'background:' + levelColour(level) }), level.name,
+    name.append(make('span', { className: 'swatch', style: 'background:' + listColour(level) }), level.name,
                 make('small', { title: level.drawn ? '' : 'no position', textContent: level.raw.space + ', ' + level.raw.planner + (level.raw.solves > 1 ? ', ' + level.raw.solves + ' solves' : '') + (level.drawn ? '' : '; not drawn: no position') + heldText(level) }));
     row.append(name);
     const cells = { row };
@@ -1333,9 +1398,11 @@ function pick(px, py) {
     for (const role of ['expansion', 'tree']) {
       if (!shown(level, role)) continue;
       const list = role === 'tree' ? level.nodes : level.proposals, n = role === 'tree' ? now[level.number].n : now[level.number].p;
-      for (let i = 0; i < n; i++) {
-        const [x, y] = frame.at(list.row(i), level), d = (x - px) ** 2 + (y - py) ** 2;
-        if (d < least) { least = d; best = { level: level.number, role, index: i }; }
+      for (const trace of level.traces) {
+        for (let i = 0; i < n; i++) {
+          const [x, y] = frame.at(list.row(i), trace), d = (x - px) ** 2 + (y - py) ** 2;
+          if (d < least) { least = d; best = { level: level.number, role, index: i }; }
+        }
       }
     }
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <trellis/base/error.hpp>
@@ -118,8 +119,8 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
     }
     for (const Link& link : tree.links()) links.push_back({named(link.name), link.solids});
     const std::size_t first_moving = one.moving().front();
-    // A base that moves hangs on the world itself. A fixed one follows a joint of its robot by a factor of 0: it stays
-    // where it is, and is a body that the other robots must not touch.
+    // The parent of a base that moves is the world itself. A fixed one follows a joint of its robot by a factor of 0:
+    // it stays where it is, and is a body that the other robots must not touch.
     const bool moves = tree.joints()[first_moving].kind == Joint::Kind::planar;
     joints.push_back({.name = named("base of the team"),
                       .kind = moves ? Joint::Kind::fixed : Joint::Kind::continuous,
@@ -197,11 +198,23 @@ std::vector<TeamMember> SphereModel::members() const {
   return members;
 }
 
-PointOnBody SphereModel::tip() const {
+PointOnBody SphereModel::tip() const { return tip_between(0, std::numeric_limits<std::size_t>::max()); }
+
+std::vector<PointOnBody> SphereModel::tips() const {
+  const std::vector<TeamMember> parts = members();
+  if (parts.size() < 2) return {tip()};
+  std::vector<PointOnBody> tips;
+  tips.reserve(parts.size());
+  for (const TeamMember& part : parts) tips.push_back(tip_between(part.axis, part.axis + part.axes));
+  return tips;
+}
+
+PointOnBody SphereModel::tip_between(std::size_t lo, std::size_t hi) const {
   PointOnBody tip;
   std::size_t longest = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (bodies_[b].empty()) continue;
+    const std::size_t column = robot_.bodies()[b].column;
+    if (bodies_[b].empty() || column < lo || column >= hi) continue;
     std::size_t joints = 0;
     for (std::size_t at = b; at != 0; at = robot_.bodies()[at].parent) ++joints;
     if (joints < longest || (joints == longest && longest > 0)) continue;  // of equal chains the first

@@ -65,6 +65,8 @@ class SphereModel {
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
   /// The middle of the last body of the longest chain of joints: of the hand of an arm with one.
   [[nodiscard]] PointOnBody tip() const;
+  /// The tips of its members: of a robot with one part that moves, `tip`.
+  [[nodiscard]] std::vector<PointOnBody> tips() const;
   /// Returns where a point of the robot is in the world.
   [[nodiscard]] Vec3 position(const PointOnBody& point, View q) const;
   /// Returns where the tip is in the world.
@@ -90,6 +92,8 @@ class SphereModel {
  private:
   SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies, Pairs pairs);
   void enclose();
+  /// The tip among the bodies that coordinates from `lo` on, below `hi`, move.
+  [[nodiscard]] PointOnBody tip_between(std::size_t lo, std::size_t hi) const;
 
   Manipulator robot_;
   std::vector<std::vector<BodySphere>> bodies_;

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scene files with several robots: agents of Moving AI, and environments of PPL with several active bodies.
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <trellis/base/error.hpp>
+#include <trellis/collision/checker.hpp>
+#include <trellis/reader/readers.hpp>
+#include <trellis/scene/planar/scene.hpp>
+
+#include "support/catch.hpp"
+#include "support/folder.hpp"
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string fault_of(const std::string& path, const ReadOptions& options = {}) {
+  try {
+    read_problems(path, options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+const std::string map = "type octile\nheight 2\nwidth 4\nmap\n....\n..@.\n";
+const std::string agents =
+    "version 1\n"
+    "0\tfour.map\t4\t2\t0\t0\t3\t0\t3\n"
+    "0\tfour.map\t4\t2\t3\t0\t0\t0\t3\n"
+    "0\tfour.map\t4\t2\t0\t1\t3\t1\t4\n"
+    "0\tfour.map\t4\t2\t0\t0\t1\t1\t2\n";
+
+std::string box_text(double x, double y, double z) {
+  std::string text;
+  for (const double a : {0.0, x}) {
+    for (const double b : {0.0, y}) {
+      for (const double c : {0.0, z}) {
+        text += "v " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+      }
+    }
+  }
+  return text + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+}
+
+std::string environment(const std::string& second) {
+  return "Boundary Box [-10:10 ; -10:10]\n\nMultibodies\n3\n\nActive\n1\nrod.obj Planar Rotational\nConnections\n0\n\n"
+         "Active\n1\n" +
+         second + "\nConnections\n0\n\nPassive\nblock.obj 0 0 0 0 0 0\n";
+}
+
+std::string written(const test::Folder& folder, const std::string& second, const std::string& query) {
+  static_cast<void>(folder.write("rod.obj", box_text(4, 1, 1)));
+  static_cast<void>(folder.write("cube.obj", box_text(1, 1, 1)));
+  static_cast<void>(folder.write("high.obj", box_text(1, 1, 9)));
+  static_cast<void>(folder.write("block.obj", box_text(2, 4, 1)));
+  static_cast<void>(folder.write("a.query", query));
+  return folder.write("a.env", environment(second));
+}
+
+}  // namespace
+
+TEST_CASE("the first queries of Moving AI are the robots of one team", "[reader][moving_ai]") {
+  const test::Folder folder;
+  static_cast<void>(folder.write("four.map", map));
+  const std::string path = folder.write("four.scen", agents);
+  const SceneFile file = read_scene(path, {.agents = 3});
+  REQUIRE(file.problems.size() == 1);
+  const Problem& problem = file.problems.front();
+  CHECK(problem.name == "four/3 agents");
+  CHECK(problem.start == Configuration{0.5, 1.5, 3.5, 1.5, 0.5, 0.5});
+  CHECK(problem.goal() == Configuration{3.5, 1.5, 0.5, 1.5, 3.5, 0.5});
+  const Robot& team = planar(*problem.scene).robot;
+  REQUIRE(team.members().size() == 3);
+  CHECK(team.members()[2].robot->inscribed_radius() == 0.3);
+  const auto wide = read_problems(path, {.agents = 2, .agent_radius = 0.45});
+  CHECK(planar(*wide[0].scene).robot.members()[0].robot->inscribed_radius() == 0.45);
+  const auto turning = read_problems(path, {.robot = Robot::rigid({Box2{{-0.2, -0.1}, {0.2, 0.1}}}), .agents = 2});
+  CHECK(turning[0].start == Configuration{0.5, 1.5, 0, 3.5, 1.5, 0});
+  const auto one = read_problems(path, {.agents = 1});
+  CHECK(one[0].start == Configuration{0.5, 1.5});
+  CHECK(read_problems(path, {}).size() == 4);
+}
+
+TEST_CASE("agents that are no team are an error with file and line", "[reader][moving_ai]") {
+  const test::Folder folder;
+  static_cast<void>(folder.write("four.map", map));
+  const std::string path = folder.write("four.scen", agents);
+  CHECK_THAT(fault_of(path, {.agents = 4}),
+             Contains("four.scen:5: the start cell (0, 0) is that of the agent in line 2"));
+  const std::string few = folder.write("few.scen", agents.substr(0, agents.find("0\tfour.map\t4\t2\t0\t1")));
+  CHECK_THAT(fault_of(few, {.agents = 3}), Contains("few.scen:3: 2 agents, expected at least 3"));
+  CHECK_THAT(fault_of(path, {.robot = Robot::point(), .agents = 2}), Contains("robot 1 is a point"));
+  CHECK_THAT(fault_of(folder.file("four.map"), {.start = {0.5, 0.5}, .goal = {0.5, 1.5}, .agents = 2}),
+             Contains("four.map: ") && Contains("agents are in queries of Moving AI (.scen)"));
+}
+
+TEST_CASE("PPL: several active bodies of the plane are a team", "[reader][ppl]") {
+  const test::Folder folder;
+  const std::string path = written(folder, "cube.obj Planar Translational", "0 -5 -5 0.5\n1 -5 5\n1 5 5\n0 5 -5 0\n");
+  const SceneFile file = read_scene(path, {});
+  REQUIRE(file.problems.size() == 1);
+  const Problem& problem = file.problems.front();
+  REQUIRE(problem.scene->members().size() == 2);
+  CHECK(problem.space.dimension() == 5);
+  CHECK(problem.start == Configuration{-5, -5, 0.5 * std::numbers::pi, -5, 5});
+  CHECK(problem.goal() == Configuration{5, -5, 0, 5, 5});
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  CHECK(checker->valid(problem.start));
+  CHECK_FALSE(checker->valid(Configuration{-5, 5, 0, -5, 5}));  // the one in the other
+  CHECK_FALSE(checker->valid(Configuration{-5, -5, 0, 0, 0}));  // in the block
+  // The block above the rod, and beside the high body.
+  std::string text = environment("high.obj Planar Translational");
+  const std::string raised = folder.write("a.env", text.replace(text.find("0 0 0 0 0 0"), 11, "0 0 3 0 0 0"));
+  const SceneFile high = read_scene(raised, {});
+  REQUIRE(high.warnings.size() == 1);
+  CHECK_THAT(high.warnings[0],
+             Contains("block.obj: it is above or below some of the robots, and is an obstacle of all"));
+  CHECK(planar(*high.problems[0].scene).world.obstacles().size() == 1);
+}
+
+TEST_CASE("PPL: what is no team or no query of one is named with its line", "[reader][ppl]") {
+  const test::Folder folder;
+  const std::string good = "0 -5 -5 0.5\n1 -5 5\n0 5 -5 0\n1 5 5\n";
+  const auto fault = [&](const std::string& second, const std::string& query) {
+    return fault_of(written(folder, second, query));
+  };
+  const std::string cube = "cube.obj Planar Translational";
+  CHECK(fault(cube, good).empty());
+  CHECK_THAT(fault("cube.obj Volumetric Rotational", good),
+             Contains("a.env:14: a second active body: several robots are read only where all are 'Planar'"));
+  CHECK_THAT(fault(cube, good + "2 5 5\n"), Contains("a.query:5: expected the number of a robot, 0 to 1, got 2"));
+  CHECK_THAT(fault(cube, "0 -5 -5 0.5\n1 -5 5 0\n"), Contains("a.query:2: expected 2 numbers of robot 1"));
+  CHECK_THAT(fault(cube, good + "1 6 6\n"), Contains("a.query:5: robot 0 has 2 configurations and robot 1 has 3"));
+  CHECK_THAT(fault(cube, "0 -5 -5 0.5\n1 -5 5\n"), Contains("a query needs a start and a goal, got 1"));
+}
