@@ -4,7 +4,7 @@
 stds.trellis = {
   read_globals = {
     "rrt", "rrt_connect", "prm", "lazy_prm", "rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star",
-    "kinodynamic_rrt", "graph_search", "best_first",
+    "kinodynamic_rrt", "graph_search", "best_first", "drrt",
     "uniform", "goal_bias", "gaussian", "bridge_test", "obstacle_based", "medial_axis", "halton", "informed",
     "information_gain", "state_cells", "identity", "workspace", "skeleton", "shrink", "joints", "pca", "widen",
     "lazy", "drop", "aggregate", "holonomic", "blossom", "decomposition", "experience", "path_database",

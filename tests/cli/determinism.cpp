@@ -89,7 +89,7 @@ void add_runs(const std::string& script, const Place& place, Hashes& hashes) {
 /// Runs every script in an environment.
 std::string hashes_of(const Place& place, const std::string& environment, const std::string& options) {
   Hashes hashes;
-  for (const std::string script : {"planar", "driven", "arm", "manipulator"}) {
+  for (const std::string script : {"planar", "driven", "arm", "manipulator", "team"}) {
     fs::remove_all(place / "samples");
     const auto outcome =
         place.shell(environment + " $T run " + script + ".lua --quiet --json all.json --samples samples " + options);
@@ -104,7 +104,7 @@ std::string hashes_of(const Place& place, const std::string& environment, const 
 
 /// The scripts, and the library and the models that they use.
 void prepare(const Place& place) {
-  for (const std::string script : {"planar", "driven", "arm", "manipulator"}) {
+  for (const std::string script : {"planar", "driven", "arm", "manipulator", "team"}) {
     fs::copy_file(folder / (script + ".lua"), place / (script + ".lua"));
   }
   place.script("six.urdf", trellis::test::six_joints);
@@ -175,7 +175,7 @@ TEST_CASE("whole runs of every planner and guide have the same hashes on every i
 TEST_CASE("every planner and every guide has a hash", "[determinism]") {
   const Place place;
   std::string scripts;
-  for (const std::string script : {"planar", "driven", "arm", "manipulator"})
+  for (const std::string script : {"planar", "driven", "arm", "manipulator", "team"})
     scripts += content(folder / (script + ".lua"));
   std::istringstream help(place.run({"help"}).out);
   std::size_t count = 0;

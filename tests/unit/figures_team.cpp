@@ -90,7 +90,6 @@ TEST_CASE("moments of a team are even in the time of the robot with the longest 
        {Configuration{0, 0, 0, 0, 0, 0}, Configuration{4, 0, 0, 2, 3, 0}, Configuration{4, 0, 0, 2, 3, 8}}) {
     path.push(q);
   }
-  CHECK(duration_of(problem.scene.get(), problem.space, path[0], path[1]) == Approx(4));
   const Configurations moments = moments_of(problem.scene.get(), problem.space, path, 4);
   REQUIRE(moments.size() == 4);
   const Configuration second(moments[1].begin(), moments[1].end());

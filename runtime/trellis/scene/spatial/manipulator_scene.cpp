@@ -198,23 +198,24 @@ std::vector<TeamMember> SphereModel::members() const {
   return members;
 }
 
-PointOnBody SphereModel::tip() const { return tip_between(0, std::numeric_limits<std::size_t>::max()); }
+PointOnBody SphereModel::tip() const { return tip_moved_by({}); }
 
 std::vector<PointOnBody> SphereModel::tips() const {
   const std::vector<TeamMember> parts = members();
   if (parts.size() < 2) return {tip()};
   std::vector<PointOnBody> tips;
   tips.reserve(parts.size());
-  for (const TeamMember& part : parts) tips.push_back(tip_between(part.axis, part.axis + part.axes));
+  for (const TeamMember& part : parts) tips.push_back(tip_moved_by(part.axes));
   return tips;
 }
 
-PointOnBody SphereModel::tip_between(std::size_t lo, std::size_t hi) const {
+PointOnBody SphereModel::tip_moved_by(const std::vector<std::size_t>& axes) const {
   PointOnBody tip;
   std::size_t longest = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const std::size_t column = robot_.bodies()[b].column;
-    if (bodies_[b].empty() || column < lo || column >= hi) continue;
+    if (bodies_[b].empty()) continue;
+    if (!axes.empty() && !std::binary_search(axes.begin(), axes.end(), column)) continue;
     std::size_t joints = 0;
     for (std::size_t at = b; at != 0; at = robot_.bodies()[at].parent) ++joints;
     if (joints < longest || (joints == longest && longest > 0)) continue;  // of equal chains the first

@@ -92,8 +92,8 @@ class SphereModel {
  private:
   SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies, Pairs pairs);
   void enclose();
-  /// The tip among the bodies that coordinates from `lo` on, below `hi`, move.
-  [[nodiscard]] PointOnBody tip_between(std::size_t lo, std::size_t hi) const;
+  /// The tip among the bodies that these coordinates move, ascending; empty: all bodies.
+  [[nodiscard]] PointOnBody tip_moved_by(const std::vector<std::size_t>& axes) const;
 
   Manipulator robot_;
   std::vector<std::vector<BodySphere>> bodies_;
