@@ -29,7 +29,7 @@ void ScheduleSearch::reach(const Place& from, const Configuration& at_from, cons
   reached_from_.emplace(next, from);
   std::size_t left = 0;
   for (const char moved : next) left += cells_ - static_cast<std::size_t>(moved);
-  // The fewest cells left first; of equal ones the one found last, so that the search goes on where it is.
+  // The fewest cells left first; of equal ones the one found last, so that the search continues from there.
   open_.emplace(left, ~++added_, next);
 }
 

@@ -260,7 +260,7 @@ std::unique_ptr<Instance> TeamSpace::project(const Instance& parent) {
     std::iota(instance->position_axes.begin(), instance->position_axes.end(), embedding_->along().size());
   }
   project_ends(*this, parent, *instance);
-  // A path may pass the places of its ends on its way.
+  // A path may pass the places of its ends in between.
   for (std::size_t g = 0; g < embedding_->along().size(); ++g) {
     instance->start[g] = 0.0;
     for (Configuration& goal : instance->goals) goal[g] = embedding_->along()[g].length();

@@ -247,7 +247,7 @@ class Drrt final : public StartTreePlanner {
     }
   }
 
-  /// The neighbour of a vertex in the direction of the proposal, or on the way to the goal.
+  /// The neighbour of a vertex in the direction of the proposal, or the next one on the path to the goal.
   [[nodiscard]] std::uint32_t towards(const RobotRoadmap& robot, std::uint32_t vertex, bool to_goal) const {
     if (to_goal) return robot.on[vertex] != no_node ? robot.on[vertex] : vertex;
     const std::size_t d = robot.space.dimension();

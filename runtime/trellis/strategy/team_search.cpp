@@ -97,7 +97,7 @@ class TeamSearch final : public Planner {
   struct Group {
     std::vector<std::size_t> robots;  ///< members, ascending
     std::optional<RobotsPath> path;   ///< once found; in order, of all robots up to it
-    std::set<std::size_t> blocking;   ///< in order, of those after it: robots that stand in the way of that path
+    std::set<std::size_t> blocking;   ///< in order, of those after it: robots whose starts block that path
   };
 
   /// The search of when some groups move along their paths.
@@ -213,7 +213,7 @@ class TeamSearch final : public Planner {
     return waiting;
   }
 
-  /// Finds which robots after one in order stand in the way of the path found.
+  /// Finds which robots after one in order block the path found from their starts.
   void find_blocking(std::size_t place) {
     for (std::size_t i = place + 1; i < groups_.size(); ++i) {
       const std::size_t robot = groups_[i].robots.front();
