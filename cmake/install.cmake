@@ -65,7 +65,7 @@ install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INS
 # <trellis/testing.hpp>, and those that they include.
 foreach(header trellis
                base/component base/configurations base/error base/random base/version
-               space/space motion/motion_model reader/readers scene/scene
+               space/space motion/motion_model reader/readers scene/scene scene/team_times
                scene/planar/robot scene/planar/scene scene/planar/shapes scene/planar/world space/rotation
                scene/spatial/mesh scene/spatial/point_cloud scene/spatial/robot scene/spatial/scene scene/spatial/shapes scene/spatial/world collision/certificate collision/checker
                instance/instance instance/verified_motions planner/density planner/guidance planner/loop

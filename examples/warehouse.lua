@@ -41,7 +41,7 @@ return experiment {
     alone = rrt_connect { proposals = 2000 }, prioritise = prioritise() >> planner,
     couple = couple { tries = 4 } >> planner,
   },
-  seeds      = 11,
+  seeds      = 3,
   baseline   = "alone",
   measure    = false,
 }

@@ -126,7 +126,8 @@ TEST_CASE("every guide of the catalogue that searches a space or samples is in p
   }
   // These require a file, functions of a script or a team.
   std::erase_if(missing, [](const std::string& guide) {
-    return guide == "team" || guide == "decouple" || guide == "prioritise" || guide == "couple" || guide == "experience" || guide == "path_database" || guide == "learned" || guide == "guiding_space";
+    return guide == "team" || guide == "decouple" || guide == "prioritise" || guide == "couple" ||
+           guide == "experience" || guide == "path_database" || guide == "learned" || guide == "guiding_space";
   });
   INFO(missing.size() << " missing, the first: " << (missing.empty() ? "" : missing.front()));
   CHECK(missing.empty());

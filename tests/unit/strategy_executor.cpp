@@ -25,10 +25,9 @@ PlannerSpec rrt(const std::vector<Options::Entry>& given = {}) { return PlannerS
 /// Guides that search a space.
 std::vector<GuideKind> searching() {
   std::vector<GuideKind> all;
-  std::copy_if(guide_kinds().begin(), guide_kinds().end(), std::back_inserter(all),
-               [](const GuideKind& kind) {
-                 return !kind.default_planner.empty() && kind.claims.needs != GuideClaims::Needs::team;
-               });
+  std::copy_if(guide_kinds().begin(), guide_kinds().end(), std::back_inserter(all), [](const GuideKind& kind) {
+    return !kind.default_planner.empty() && kind.claims.needs != GuideClaims::Needs::team;
+  });
   return all;
 }
 

@@ -203,10 +203,9 @@ TEST_CASE("guides that divide a team find valid paths of all robots", "[team]") 
 TEST_CASE("robots that cannot pass each other on their paths plan together", "[team]") {
   const Problem problem = corridor();
   // Alone, either robot goes straight through the corridor: no schedule of these paths exists.
-  const RunRecord alone = execute(
-      GuideSpec::make("decouple", {{"tries", std::int64_t{3}}}) >>
-          PlannerSpec::make("rrt_connect", {{"bound", 0.0}, {"proposals", 300.0}}),
-      problem, 1);
+  const RunRecord alone = execute(GuideSpec::make("decouple", {{"tries", std::int64_t{3}}}) >>
+                                      PlannerSpec::make("rrt_connect", {{"bound", 0.0}, {"proposals", 300.0}}),
+                                  problem, 1);
   const auto named = [](const RunRecord& run, const std::string& name) {
     return std::count_if(run.levels.begin(), run.levels.end(),
                          [&](const LevelRecord& level) { return level.name == name; });
@@ -230,8 +229,8 @@ TEST_CASE("a divided team has the same bytes for the same seed, and other paths 
 
 TEST_CASE("a guide of single robots guides each robot of a divided team", "[team]") {
   const Problem problem = test::team_problem();
-  const StrategySpec strategy =
-      GuideSpec::make("skeleton", {}) >> GuideSpec::make("prioritise", {}) >> PlannerSpec::make("rrt_connect", {{"bound", 0.0}});
+  const StrategySpec strategy = GuideSpec::make("skeleton", {}) >> GuideSpec::make("prioritise", {}) >>
+                                PlannerSpec::make("rrt_connect", {{"bound", 0.0}});
   const RunRecord run = execute(strategy, problem, 1);
   REQUIRE(run.solved);
   check_path(problem, run.path);

@@ -15,8 +15,8 @@
 namespace trellis {
 
 /// The search of when to move along given paths: for a path from the start to the goal of an instance whose coordinates
-/// are metres along paths (TeamSpace), on a grid of `cells` steps of each, by greedy best-first search. A step moves all
-/// groups that have not arrived, or one, forwards or back. The instance counts the checks.
+/// are metres along paths (TeamSpace), on a grid of `cells` steps of each, by greedy best-first search. A step moves
+/// all groups that have not arrived, or one, forwards or back. The instance counts the checks.
 class ScheduleSearch {
  public:
   /// \param paths  outlives the search

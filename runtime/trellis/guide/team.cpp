@@ -17,6 +17,7 @@ namespace trellis {
 namespace {
 
 struct TeamPathSettings : PathGuideSettings {
+  TeamPathSettings() { follow = Follow::waypoints; }
   std::vector<std::string> order;
   std::int64_t tries = 64;
   std::int64_t robot_effort = 5000;
@@ -48,7 +49,7 @@ const Settings<TeamPathSettings>& prioritise_settings() {
               Component::Kind::guide, "prioritise",
               "the robots of a team one after another: each one is searched together with how far those before it are "
               "along the path found for them, so that every search has the coordinates of one robot and one more. "
-              "Where a robot finds no path, it becomes the first one",
+              "Where a robot finds no path, it plans earlier",
               "Erdmann and Lozano-Perez 1987, On multiple moving objects; van den Berg and Overmars 2005"))
           .names("order", &TeamPathSettings::order,
                  "the numbers of robots, the first to plan first; those that are not named follow in the order of the "
@@ -101,7 +102,6 @@ class TeamPath final : public PathGuide {
 
  protected:
   [[nodiscard]] bool relaxes() const override { return false; }
-  [[nodiscard]] Follow follow() const override { return Follow::waypoints; }
 
  private:
   std::string named_;
@@ -138,6 +138,7 @@ std::vector<std::size_t> members_named(const std::string& owner, const std::vect
                                  [&](const TeamMember& member) { return std::to_string(member.number) == number; });
     if (it == members.end()) {
       std::vector<std::size_t> known;
+      known.reserve(members.size());
       for (const TeamMember& member : members) known.push_back(member.number);
       throw Error(fmt::format("{}: no robot {} in the team, which has {}", owner, number, fmt::join(known, ", ")));
     }

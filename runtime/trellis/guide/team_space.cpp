@@ -216,6 +216,7 @@ Space space_of(const std::vector<RobotsPath>& along, const AxisProjection& place
   std::vector<Axis> axes;
   // The path of many robots is long: its axis counts at most as much as the coordinates of those that are free.
   std::vector<Axis> own;
+  own.reserve(free.size());
   for (const std::size_t column : free) own.push_back(placed.space().axes()[column]);
   const double widest = own.empty() ? std::numeric_limits<double>::infinity() : Space("free", own).diameter();
   for (const RobotsPath& path : along) {
@@ -252,6 +253,7 @@ std::unique_ptr<Instance> TeamSpace::project(const Instance& parent) {
   if (follows && !embedding_->free().empty()) {
     // The robots that follow no path, alone: guides of this space see them and the world.
     std::vector<std::size_t> own;
+    own.reserve(embedding_->free().size());
     for (const std::size_t column : embedding_->free()) own.push_back(axes()[column]);
     if (auto moving = parent.scene->reduced(own)) instance->scene = std::move(moving);
   }

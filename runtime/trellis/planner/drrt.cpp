@@ -332,9 +332,9 @@ class Drrt final : public StartTreePlanner {
 
   DrrtSettings settings_;
   std::vector<RobotRoadmap> robots_;
-  std::vector<Place> places_;  ///< of each node of the tree
-  std::map<Place, std::uint32_t> seen_;  ///< the node at each
-  bool growing_ = true;  ///< the roadmaps are not complete
+  std::vector<Place> places_;                                         ///< of each node of the tree
+  std::map<Place, std::uint32_t> seen_;                               ///< the node at each
+  bool growing_ = true;                                               ///< the roadmaps are not complete
   std::size_t wanted_ = static_cast<std::size_t>(settings_.roadmap);  ///< vertices of each roadmap
   std::size_t rounds_ = 0;                                            ///< of adding them
   std::size_t drawn_before_ = 0;                                      ///< proposals when the roadmaps last grew

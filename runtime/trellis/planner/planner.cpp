@@ -36,8 +36,8 @@ Solution Planner::solve(const Budget& budget) { return run_steps(*this, context_
 namespace {
 
 std::vector<PlannerKind> built_in() {
-  return {rrt_kind(),       rrt_connect_kind(),   prm_kind(),           lazy_prm_kind(),        rrt_star_kind(),
-          prm_star_kind(),  lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(), graph_search_kind(),
+  return {rrt_kind(),        rrt_connect_kind(),   prm_kind(),           lazy_prm_kind(),        rrt_star_kind(),
+          prm_star_kind(),   lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(), graph_search_kind(),
           best_first_kind(), drrt_kind()};
 }
 

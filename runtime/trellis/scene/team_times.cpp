@@ -10,6 +10,7 @@ namespace trellis {
 
 Space space_of(const Space& team, const TeamMember& member) {
   std::vector<Axis> axes;
+  axes.reserve(member.axes.size());
   for (const std::size_t axis : member.axes) axes.push_back(team.axes()[axis]);
   return {fmt::format("robot {}", member.number), std::move(axes)};
 }
@@ -18,6 +19,7 @@ TeamTimes times_of(const Space& space, const std::vector<TeamMember>& members, c
   TeamTimes times;
   times.at.assign(path.size(), 0.0);
   std::vector<Space> own;
+  own.reserve(members.size());
   for (const TeamMember& member : members) own.push_back(space_of(space, member));
   std::vector<double> arrived(members.size(), 0.0);
   for (std::size_t i = 1; i < path.size(); ++i) {

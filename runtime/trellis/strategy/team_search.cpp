@@ -252,9 +252,9 @@ class TeamSearch final : public Planner {
     const std::size_t number = robots.empty()       ? members_.size()
                                : robots.size() == 1 ? robots.front()
                                                     : members_.size() + 1 + joined_++;
-    levels_.push_back(std::make_unique<Level>(
-        run_, &level_, fmt::format("{}/{}.{}", level_.record().key, searches_[number]++, number), name,
-        std::move(part), planner_, space_));
+    levels_.push_back(std::make_unique<Level>(run_, &level_,
+                                              fmt::format("{}/{}.{}", level_.record().key, searches_[number]++, number),
+                                              name, std::move(part), planner_, space_));
     current_ = levels_.back().get();
     if (guide != nullptr) current_->guide_by(*guide);
   }
@@ -262,12 +262,13 @@ class TeamSearch final : public Planner {
   /// "robot 3", "robots 2, 5".
   [[nodiscard]] std::string name_of(const std::vector<std::size_t>& robots) const {
     std::vector<std::size_t> numbers;
+    numbers.reserve(robots.size());
     for (const std::size_t i : robots) numbers.push_back(members_[i].number);
     return fmt::format("robot{} {}", robots.size() == 1 ? "" : "s", fmt::join(numbers, ", "));
   }
 
   /// The path found by a search with its detours cut: later searches follow it.
-  Configurations shortened(Level& level) {
+  [[nodiscard]] Configurations shortened(Level& level) const {
     constexpr std::int64_t rounds = 30;
     Stream stream(run_.seed, level.record().key, "shortcut");
     return shortcut(level.instance(), level.solution().path, rounds, stream);
