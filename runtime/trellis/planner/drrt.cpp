@@ -204,7 +204,7 @@ class Drrt final : public StartTreePlanner {
       near.emplace_back(robot.space.squared_distance(std::as_const(robot.vertices)[v], q), v);
     }
     const auto most = std::min(near.size(), static_cast<std::size_t>(settings_.neighbours));
-    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(most), near.end());
+    if (!near.empty()) std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(most), near.end());
     const std::uint32_t added = robot.vertices.push(q);
     robot.neighbours.emplace_back();
     for (std::size_t k = 0; k < most; ++k) {
