@@ -268,6 +268,27 @@ TEST_CASE("every guide guides a divided team, and is guided by one, or says in a
   CHECK(ran > 150);
 }
 
+TEST_CASE("the robots of a divided team go to one goal of several", "[team]") {
+  Problem problem = ring(6, 0.7);
+  Configuration turned = problem.start;
+  std::rotate(turned.begin(), turned.begin() + 2, turned.end());
+  problem.goals.push_back(turned);
+  for (const char* guide : {"prioritise", "couple"}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      CAPTURE(guide, seed);
+      const RunRecord run = execute(guided(guide), problem, seed);
+      REQUIRE(run.solved);
+      const Solution& divided = run.levels.at(1).solution;
+      REQUIRE(divided.solved());
+      const View end = divided.path.back();
+      CHECK(std::any_of(problem.goals.begin(), problem.goals.end(),
+                        [&](const Configuration& goal) { return problem.space.distance(end, goal) < 1e-6; }));
+    }
+  }
+  CHECK_THROWS_WITH(execute(GuideSpec::make("prioritise", {}) >> guided("decouple"), problem, 1),
+                    Contains("prioritise() guides no search of decouple, which have one robot each"));
+}
+
 TEST_CASE("the bounded loss of a guided run holds for teams", "[team]") {
   const Problem problem = ring(6, 0.5);
   for (const char* guide : {"team", "decouple", "prioritise", "couple"}) {

@@ -15,6 +15,7 @@
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/lengths.hpp>
 #include <trellis/strategy/level.hpp>
+#include <trellis/strategy/team_search.hpp>
 
 namespace trellis {
 
@@ -45,7 +46,17 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     level_->charge(seconds);
     attach();
     if (!spec.custom() && find_guide(spec.name())->divides_team) {
-      level_->divide(division_of(spec.name(), spec.options(), level_->instance().scene->members()), spec.below());
+      located([&] {
+        TeamDivision division = division_of(spec.name(), spec.options(), level_->instance().scene->members());
+        if (spec.below() != nullptr && division.how != Coordination::conflicts &&
+            !guides_searches_of(*spec.below(), 1)) {
+          throw Error(
+              fmt::format("{0} guides no search of {1}, which have one robot each; use {0} in place of {1}, or "
+                          "above couple()",
+                          spec.below()->text_alone(), spec.name()));
+        }
+        level_->divide(std::move(division), spec.below());
+      });
     } else if (spec.below() != nullptr) {
       level_->guide_by(*spec.below());
     }

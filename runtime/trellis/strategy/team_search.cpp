@@ -150,20 +150,7 @@ class TeamSearch final : public Planner {
 
   /// The guide of a search of so many robots; nullptr: none that applies.
   [[nodiscard]] const GuideSpec* guide_for(std::size_t robots) const {
-    return guide_ != nullptr && applies(*guide_, robots) ? guide_ : nullptr;
-  }
-  [[nodiscard]] static bool applies(const GuideSpec& guide, std::size_t robots) {
-    if (guide.kind() != GuideSpec::Kind::component) {
-      return std::all_of(guide.terms().begin(), guide.terms().end(),
-                         [&](const GuideSpec::Term& term) { return applies(term.guide, robots); });
-    }
-    if (guide.custom()) return robots == 1;
-    switch (find_guide(guide.name())->claims.needs) {
-      case GuideClaims::Needs::team: return robots > 1;
-      case GuideClaims::Needs::position:
-      case GuideClaims::Needs::position_axes: return robots == 1;
-      default: return true;
-    }
+    return guide_ != nullptr && guides_searches_of(*guide_, robots) ? guide_ : nullptr;
   }
 
   /// The path of the robots in order before one, with others that wait at their starts; none without either.
@@ -343,7 +330,9 @@ class TeamSearch final : public Planner {
           return;
         }
         // It plans earlier: the paths of the robots that are still before it remain.
-        const auto earlier = groups_.begin() + (next - groups_.begin()) / 2;
+        // With several goals another try has another one, to which those paths do not lead.
+        const auto kept = context_.instance.goals.size() > 1 ? 0 : (next - groups_.begin()) / 2;
+        const auto earlier = groups_.begin() + kept;
         std::rotate(earlier, next, std::next(next));
         for (auto group = earlier; group != groups_.end(); ++group) group->path.reset();
         return;
@@ -448,6 +437,20 @@ class TeamSearch final : public Planner {
 };
 
 }  // namespace
+
+bool guides_searches_of(const GuideSpec& guide, std::size_t robots) {
+  if (guide.kind() != GuideSpec::Kind::component) {
+    return std::all_of(guide.terms().begin(), guide.terms().end(),
+                       [&](const GuideSpec::Term& term) { return guides_searches_of(term.guide, robots); });
+  }
+  if (guide.custom()) return robots == 1;
+  switch (find_guide(guide.name())->claims.needs) {
+    case GuideClaims::Needs::team: return robots > 1;
+    case GuideClaims::Needs::position:
+    case GuideClaims::Needs::position_axes: return robots == 1;
+    default: return true;
+  }
+}
 
 std::unique_ptr<Planner> make_team_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
                                           const TeamDivision& division, PlannerContext context) {
