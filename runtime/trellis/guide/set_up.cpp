@@ -37,7 +37,7 @@ struct Entry {
 /// Measured by `scripts/bench-work`: CPU times in the worlds of scripts/pays, divided by those of a check, 0.07 us in
 /// the plane and 0.3 us in space. Those of the mazes and of clutter are within a factor of 3 of these. The entries of
 /// workspace and decomposition include the beginning of their first search, which prepares the whole graph; those of
-/// team, decouple, prioritise and couple are those of joints and of identity, whose projections they share; those of
+/// team, decouple, prioritise and couple are those of joints and of identity, whose projections they share; that of
 /// learned, which needs a model, is the CPU time of its h, from a grid of 67 x 67 cells.
 constexpr std::array<Entry, 30> entries = {{
     {"uniform", {{}, {10}}, {{}, {10}}},
