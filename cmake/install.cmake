@@ -63,18 +63,8 @@ set(package ${CMAKE_INSTALL_LIBDIR}/cmake/trellis)
 install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
 # The public headers: <trellis/trellis.hpp>, <trellis/planner/own_planner.hpp>, <trellis/program.hpp>,
 # <trellis/testing.hpp>, and those that they include.
-foreach(header trellis
-               base/component base/configurations base/error base/random base/version
-               space/space motion/motion_model reader/readers scene/scene scene/team_times
-               scene/planar/robot scene/planar/scene scene/planar/shapes scene/planar/world space/rotation
-               scene/spatial/mesh scene/spatial/point_cloud scene/spatial/robot scene/spatial/scene scene/spatial/shapes scene/spatial/world collision/certificate collision/checker
-               instance/instance instance/verified_motions planner/density planner/guidance planner/loop
-               planner/own_planner planner/planner guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/run_facts strategy/spec
-               trial/criterion trial/level trial/matcher trial/trial)
-  get_filename_component(folder ${header} DIRECTORY)
-  install(FILES runtime/trellis/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis/${folder}
-          COMPONENT libtrellis-dev)
-endforeach()
+install(DIRECTORY runtime/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtrellis-dev FILES_MATCHING
+        PATTERN "*.hpp")
 install(FILES dsl/testing/trellis/testing.hpp dsl/program/trellis/program.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis COMPONENT libtrellis-dev)
 install(EXPORT trellis-targets NAMESPACE trellis:: DESTINATION ${package} COMPONENT libtrellis-dev)
