@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/parallel.hpp>
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/text.hpp>
 
@@ -47,6 +52,22 @@ TEST_CASE("a canvas renders in every format, each time the same", "[draw]") {
     CHECK(canvas.render(format) == first);
     CHECK(picture().render(format) == first);
   }
+}
+
+TEST_CASE("pictures drawn by several threads are those of one", "[draw]") {
+  // Sizes of their own, so that fonts come and go in all threads; `text_extents` asks for the same ones.
+  const auto drawn = [](std::size_t i) {
+    const double size = 5.0 + 0.25 * static_cast<double>(i % 24);
+    Canvas canvas(60.0, 40.0);
+    canvas.text("déjà vu", {5, 20}, {{size, i % 2 == 0, i % 3 == 0}, palette::ink});
+    const Format format = std::array{Format::svg, Format::pdf, Format::png}.at(i % 3);
+    return fmt::format("{} {}", text_extents("déjà vu", {size}).width, canvas.render(format, 2.0));
+  };
+  std::vector<std::string> alone;
+  for (std::size_t i = 0; i < 48; ++i) alone.push_back(drawn(i));
+  std::vector<int> equal(960, 0);
+  in_parallel(equal.size(), 8, [&](std::size_t i) { equal[i] = drawn(i % alone.size()) == alone[i % alone.size()]; });
+  CHECK(std::count(equal.begin(), equal.end(), 1) == 960);
 }
 
 TEST_CASE("a PNG has as many pixels as was asked for", "[draw]") {

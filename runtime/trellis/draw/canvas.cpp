@@ -11,6 +11,7 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <numbers>
 #include <utility>
 
@@ -30,6 +31,12 @@ namespace trellis::draw {
 namespace {
 
 thread_local Typeface current_typeface = Typeface::sans;
+/// Cairo shares fonts between all threads and may end one that another thread uses: only the holder of this lock uses
+/// fonts, or what has drawn with them.
+std::mutex& fonts() {
+  static std::mutex mutex;
+  return mutex;
+}
 /// Cairo's coordinates have 24 bits before the binary point.
 constexpr double farthest = 4e6;
 constexpr double largest_png = 32767.0;
@@ -201,6 +208,7 @@ Path Path::mapped(const Transform& by) const {
 
 TextExtents text_extents(std::string_view text, const Font& font) {
   require(font);
+  const std::scoped_lock lock(fonts());
   const auto options = unhinted();
   const auto used = face(font, current_typeface);
   cairo_matrix_t size;
@@ -353,6 +361,9 @@ class Canvas::Player {
   }
 
   void operator()(const Text& text) {
+    // Surfaces of files keep fonts, and their drawing holds the lock throughout.
+    std::unique_lock lock(fonts(), std::defer_lock);
+    if (outlines_) lock.lock();
     cairo_save(to_.get());
     const auto used = face(text.font, text.typeface);
     cairo_set_font_face(to_.get(), used.get());
@@ -408,9 +419,12 @@ class Canvas::Player {
 
 std::string Canvas::render(Format format, double pixels) const {
   if (transforms_.size() != 1) throw Fault("drawing: a picture rendered inside one of its scopes");
+  const bool png = format == Format::png;
   std::string out;
+  std::unique_lock lock(fonts(), std::defer_lock);
+  if (!png) lock.lock();
   Owned<cairo_surface_t> surface;
-  if (format == Format::png) {
+  if (png) {
     if (!(pixels > 0.0 && std::max(width_, height_) * pixels <= largest_png)) {
       throw Error(
           fmt::format("a picture of {:g} x {:g} points is no PNG at {:g} pixels a point: the limit is {:g} pixels",
@@ -425,7 +439,6 @@ std::string Canvas::render(Format format, double pixels) const {
     cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
   }
   require(cairo_surface_status(surface.get()));
-  const bool png = format == Format::png;
   Player(surface.get(), png ? pixels : 1.0, png).play(commands_);
   if (png) require(cairo_surface_write_to_png_stream(surface.get(), append, &out));
   cairo_surface_finish(surface.get());
