@@ -275,7 +275,7 @@ Experiment experiment_of(const Request& request) {
 
 /// Returns the JSON document, the printed report, and the warnings.
 std::tuple<std::string, std::string, std::vector<std::string>> run(
-    const Request& request, const std::optional<std::string>& baseline, bool measured, unsigned jobs,
+    const Request& request, const std::optional<std::string>& baseline, bool measured, unsigned jobs, unsigned threads,
     std::optional<double> ablation, std::optional<std::int64_t> cross,
     const std::optional<std::function<void(std::size_t, std::size_t)>>& progress) {
   constexpr int width = 100;
@@ -299,6 +299,7 @@ std::tuple<std::string, std::string, std::vector<std::string>> run(
   interruptibly(
       [&] {
         const trellis::ExperimentResult result = trellis::run(experiment, {.jobs = jobs,
+                                                                           .threads = threads,
                                                                            .progress =
                                                                                [&](std::size_t now, std::size_t steps) {
                                                                                  all = steps;
@@ -466,14 +467,15 @@ PYBIND11_MODULE(_trellis, m) {
       "run",
       [](std::shared_ptr<Script> script, std::vector<std::pair<std::string, StrategySpec>> strategies,
          std::vector<std::shared_ptr<CheckedProblem>> problems_, std::vector<std::uint64_t> seeds,
-         const std::optional<std::string>& baseline, bool measured, unsigned jobs, std::optional<double> ablation,
-         std::optional<std::int64_t> cross,
+         const std::optional<std::string>& baseline, bool measured, unsigned jobs, unsigned threads,
+         std::optional<double> ablation, std::optional<std::int64_t> cross,
          const std::optional<std::function<void(std::size_t, std::size_t)>>& progress) {
         const Request request{std::move(script), std::move(strategies), std::move(problems_), std::move(seeds)};
-        return run(request, baseline, measured, jobs, ablation, cross, progress);
+        return run(request, baseline, measured, jobs, threads, ablation, cross, progress);
       },
       py::arg("script").none(true), py::arg("strategies"), py::arg("problems"), py::arg("seeds"), py::arg("baseline"),
-      py::arg("measured"), py::arg("jobs"), py::arg("ablation"), py::arg("cross"), py::arg("progress"));
+      py::arg("measured"), py::arg("jobs"), py::arg("threads"), py::arg("ablation"), py::arg("cross"),
+      py::arg("progress"));
   m.def("measure", &measure, py::arg("case"), py::arg("folder"), py::arg("samples"), py::arg("estimator"),
         py::arg("valid"));
 }

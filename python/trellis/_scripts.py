@@ -211,6 +211,7 @@ def run(
     baseline: Optional[str] = None,
     measure: bool = True,
     jobs: int = 1,
+    threads: int = 1,
     ablation: Optional[float] = None,
     cross: Optional[int] = None,
     progress: Optional[Callable[[int, int], object]] = None,
@@ -227,6 +228,7 @@ def run(
     measure:  whether samples are scored (default True: as the script says, and within a tube about the path for a
               strategy). Without it there are no values in nats.
     jobs:     runs at the same time, in [1, 1024] (default 1, so that their times compare).
+    threads:  threads of each run, in [1, 1024] (default 1): they compute ahead for searches without a guide.
     ablation: the work for the runs without each guide that decide which guide pays, as a multiple of the work of all
               runs, at least 0 (default the script's; 0, none, for a strategy).
     cross:    the number of other seeds' paths to score each run on, at least 0 (default the script's; 2 for a
@@ -236,8 +238,9 @@ def run(
     Raises `trellis.Error` for a fault of the input, before it plans; KeyboardInterrupt on Ctrl-C, within a proposal;
     and what `progress` raises, which stops the runs too. What Trellis warns of is issued by `warnings.warn`.
     """
-    if not isinstance(jobs, int) or not 1 <= jobs <= _MOST_JOBS:
-        raise Error(f"jobs must be an integer in [1, {_MOST_JOBS}], got {jobs!r}")
+    for name, number in ("jobs", jobs), ("threads", threads):
+        if not isinstance(number, int) or not 1 <= number <= _MOST_JOBS:
+            raise Error(f"{name} must be an integer in [1, {_MOST_JOBS}], got {number!r}")
     if ablation is not None and not ablation >= 0:
         raise Error(f"ablation must be at least 0, got {ablation!r}")
     if cross is not None and not cross >= 0:
@@ -260,7 +263,7 @@ def run(
         where = _problems(problem, {})
         which = _seeds(seeds, [1])
     document, text, warned = _trellis.run(
-        of, chosen, where, which, baseline, measure, jobs, ablation, cross, progress
+        of, chosen, where, which, baseline, measure, jobs, threads, ablation, cross, progress
     )
     for sentence in warned:
         warnings.warn(sentence, stacklevel=2)

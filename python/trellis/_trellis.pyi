@@ -83,6 +83,7 @@ def run(
     baseline: Optional[str],
     measured: bool,
     jobs: int,
+    threads: int,
     ablation: Optional[float],
     cross: Optional[int],
     progress: Optional[Callable[[int, int], object]],

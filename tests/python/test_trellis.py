@@ -95,10 +95,10 @@ class Scripts(Folder):
         result.save(self.folder / "again.json")
         self.assertIn("2 problems, 3 seeds", program("compare", str(self.folder / "again.json"), "--baseline", "rrt"))
 
-    def test_runs_do_not_depend_on_the_number_of_jobs(self):
+    def test_runs_do_not_depend_on_the_numbers_of_jobs_and_threads(self):
         script = trellis.script(GAPS)
         one = trellis.run(script, jobs=1, measure=False)
-        two = trellis.run(script, jobs=2, measure=False)
+        two = trellis.run(script, jobs=2, threads=2, measure=False)
         self.assertEqual(timeless(one.document), timeless(two.document))
 
     def test_a_part_of_a_script(self):
@@ -160,6 +160,7 @@ class Faults(Folder):
             "an integer in": lambda: trellis.run(rrt, "scenes.trap()", [-1]),
             "a number of seeds": lambda: trellis.run(rrt, "scenes.trap()", "1"),
             "jobs must be": lambda: trellis.run(rrt, "scenes.trap()", jobs=0),
+            "threads must be": lambda: trellis.run(rrt, "scenes.trap()", threads=0),
             "ablation must be": lambda: trellis.run(rrt, "scenes.trap()", ablation=-1),
             "cross: the experiment measures nothing": lambda: trellis.run(rrt, "scenes.trap()", measure=False, cross=1),
         }.items():

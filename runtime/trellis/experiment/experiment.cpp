@@ -285,7 +285,8 @@ class Runner {
         RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
                                  {.shortcut = experiment_.shortcut,
                                   .interrupted = [this] { return interrupted(); },
-                                  .measured = experiment_.measure.has_value()});
+                                  .measured = experiment_.measure.has_value(),
+                                  .threads = options_.threads});
         if (run.run.status == Status::interrupted) throw Interrupted();
         if (cell.seed == experiment_.seeds.front()) {
           check_unused_guides(cell.strategy.second, cell.problem, run.run);

@@ -220,7 +220,8 @@ enum class ScoreScope : std::uint8_t {
 };
 
 struct ExperimentOptions {
-  unsigned jobs = 1;  ///< number of concurrent cells
+  unsigned jobs = 1;     ///< number of concurrent cells
+  unsigned threads = 1;  ///< of each run, see ExecuteOptions
   /// Threads for scoring, after all cells have run and no time is measured any more; 0: as many as the machine has.
   unsigned scoring_jobs = 0;
   ScoreScope scope = ScoreScope::all;

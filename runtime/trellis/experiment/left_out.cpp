@@ -99,9 +99,11 @@ class ProblemAblation {
       if (options.interrupted && options.interrupted()) throw Interrupted();
       if (!rest.impossible) {
         try {
-          const RunRecord run =
-              execute(rest.strategy, problem_, experiment_.seeds[seed],
-                      {.interrupted = options.interrupted, .measured = false, .work_limit = limit(rest, seed)});
+          const RunRecord run = execute(rest.strategy, problem_, experiment_.seeds[seed],
+                                        {.interrupted = options.interrupted,
+                                         .measured = false,
+                                         .threads = options.threads,
+                                         .work_limit = limit(rest, seed)});
           if (options.interrupted && options.interrupted()) throw Interrupted();
           work[i] = run.work;
           // An anytime planner that was cut off has its first path all the same.

@@ -40,6 +40,7 @@ class RelaxedValidity final : public Validity {
   [[nodiscard]] double invalid_radius(View q) override { return own_->invalid_radius(q); }
   [[nodiscard]] std::optional<double> excluded(View a, View b) override { return own_->excluded(a, b); }
   void expect_guided(bool guided) override { guided_ = guided; }
+  [[nodiscard]] std::shared_ptr<Validity> for_thread() const override { return guided_ ? nullptr : own_->for_thread(); }
 
   /// Whether this motion was found valid in C.
   [[nodiscard]] bool valid_in_c(View a, View b);

@@ -72,7 +72,8 @@ std::uint32_t Instance::drive(View from, View control, std::uint32_t steps, Conf
 std::shared_ptr<Validity> make_validity(const std::string& collision, const std::shared_ptr<const Scene>& scene,
                                         const Space& space, double resolution,
                                         const std::shared_ptr<const MotionModel>& motion_model) {
-  auto configurations = std::make_shared<CollisionValidity>(make_checker(collision, scene, space, resolution));
+  auto configurations =
+      std::make_shared<CollisionValidity>([=] { return make_checker(collision, scene, space, resolution); });
   if (!motion_model) return configurations;
   return std::make_shared<StateValidity>(std::move(configurations), space, motion_model);
 }

@@ -33,9 +33,10 @@ class Rrt final : public StartTreePlanner {
       : StartTreePlanner(std::move(context), settings.step), connect_goal_(settings.connect_goal) {}
 
  protected:
-  [[nodiscard]] std::optional<std::size_t> goal_to_connect() const override {
+  [[nodiscard]] std::size_t nodes() const override { return tree_->size(); }
+  [[nodiscard]] std::optional<std::size_t> goal_to_connect(View target) const override {
     if (solved_ || !connect_goal_) return std::nullopt;
-    const auto nearest = context_.instance.nearest_goal(target_);
+    const auto nearest = context_.instance.nearest_goal(target);
     return nearest.distance <= step_ ? std::optional(nearest.goal) : std::nullopt;
   }
 

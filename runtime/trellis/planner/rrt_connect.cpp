@@ -114,8 +114,8 @@ class RrtConnect final : public TreePlanner {
     const std::size_t side = active_;
     active_ = 1 - active_;
     context_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
-    propose(context_, sample_);
-    const Step step = step_towards(side, trees_[side]->to_extend(sample_), sample_);
+    draw();
+    const Step step = step_towards(side, to_extend(*trees_[side], sample_), sample_);
     const Outcome outcome = outcome_of(step, side, sample_);
     record_outcome(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
     if (step.fate == Fate::rejected && !step.there) return;
@@ -169,6 +169,32 @@ class RrtConnect final : public TreePlanner {
     return step;
   }
 
+  [[nodiscard]] std::size_t nodes() const override { return trees_[0]->size() + trees_[1]->size(); }
+  void mark_new_nodes(bool begins) override {
+    for (auto& tree : trees_) tree->mark_new_nodes(begins);
+  }
+  /// Computes the extension of a tree, and that of the other one towards the new node.
+  void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const override {
+    const std::size_t side = (active_ + step) % 2;
+    // The other tree reaches farther seldom.
+    constexpr int most_steps = 16;
+    const auto& space = context_.instance.space;
+    if (!extend_ahead(space, *trees_[side], ahead.proposal, step_, ahead, validity)) return;
+    const Configuration q = ahead.target;
+    const Tree& other = *trees_[1 - side];
+    auto near = extend_ahead(space, other, q, step_, ahead, validity);
+    for (int i = 1; near && i < most_steps; ++i) {
+      // The new node is the nearest to q.
+      const Configuration from = ahead.target;
+      const double distance = space.distance(from, q);
+      if (distance == 0.0) return;
+      steer(space, from, q, distance, step_, ahead.target);
+      const MotionReport report = validity.motion(from, ahead.target);
+      ahead.add_motion(from, ahead.target, report);
+      if (!report.valid) return;
+    }
+  }
+
   /// The outcome of a step towards q. Its views are valid until the next step.
   [[nodiscard]] Outcome outcome_of(const Step& step, std::size_t side, View q) const {
     const Tree& tree = *trees_[side];
@@ -189,7 +215,7 @@ class RrtConnect final : public TreePlanner {
   void connect(std::size_t side, std::uint32_t from, const Configuration& q) {
     const std::size_t other = 1 - side;
     for (;;) {
-      const auto near = trees_[other]->nearest(q);
+      const auto near = nearest(*trees_[other], q);
       if (near.squared_distance > 0.0 && !context_.guidance.worth_connecting((*trees_[other])[near.id], q)) return;
       const Step step = step_towards(other, near, q);
       if (!step.there) context_.guidance.observe(outcome_of(step, other, q), false);

@@ -109,8 +109,9 @@ class RrtStar final : public StartTreePlanner {
     keep_best();
   }
 
-  [[nodiscard]] std::optional<std::size_t> goal_to_connect() const override {
-    const auto nearest = context_.instance.nearest_goal(target_);
+  [[nodiscard]] std::size_t nodes() const override { return tree_->size(); }
+  [[nodiscard]] std::optional<std::size_t> goal_to_connect(View target) const override {
+    const auto nearest = context_.instance.nearest_goal(target);
     return goals_[nearest.goal] == no_node && nearest.distance <= step_ ? std::optional(nearest.goal) : std::nullopt;
   }
 

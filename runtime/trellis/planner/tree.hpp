@@ -23,6 +23,7 @@ class Tree {
     rows_.push_back(context_.search.nodes.push(q));
     context_.search.parents.push_back(rows_[parent]);
     parents_.push_back(parent);
+    if (new_nodes_) new_nodes_->add(q);
     return index_.add(q);
   }
   /// Rewires a node to another parent. The parent is no descendant of the node; its id may be larger than the node's.
@@ -36,6 +37,21 @@ class Tree {
   [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
   [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
+  /// Nodes that are added from now on are new, or, where `begins` is false, no node is.
+  void mark_new_nodes(bool begins) {
+    new_nodes_.reset();
+    if (!begins) return;
+    new_nodes_.emplace(context_.instance.space);
+    old_nodes_ = static_cast<std::uint32_t>(size());
+  }
+  /// The nearest node.
+  /// \param old  the nearest of the nodes that are not new
+  [[nodiscard]] NearestIndex::Neighbour nearest(View q, NearestIndex::Neighbour old) const {
+    if (new_nodes_->size() == 0) return old;
+    NearestIndex::Neighbour node = new_nodes_->nearest(q);
+    node.id += old_nodes_;
+    return node.squared_distance < old.squared_distance ? node : old;
+  }
   /// The node to extend towards the last proposal q: the node that the guidance selects if this tree contains it, else
   /// the nearest node.
   [[nodiscard]] NearestIndex::Neighbour to_extend(View q) const {
@@ -69,6 +85,7 @@ class Tree {
     // A rewired node may have a parent that comes after it.
     for (std::uint32_t& parent : parents_) parent = ids[parent];
     index_.retain(keep);
+    new_nodes_.reset();
     return ids;
   }
 
@@ -87,6 +104,8 @@ class Tree {
  private:
   PlannerContext& context_;
   NearestIndex index_;
+  std::optional<NearestIndex> new_nodes_;  ///< of steps that are computed ahead (Lookahead)
+  std::uint32_t old_nodes_ = 0;            ///< the number of nodes that are not new
   std::vector<std::uint32_t> rows_;
   std::vector<std::uint32_t> parents_;  ///< a root is its own parent
 };

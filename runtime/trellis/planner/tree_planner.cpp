@@ -9,6 +9,7 @@ namespace trellis {
 std::optional<Status> TreePlanner::begin(const Budget& budget) {
   static_cast<void>(budget);
   auto& instance = context_.instance;
+  lookahead_.clear();
   if (!ends_checked_ || epoch_ != instance.epoch()) {
     if (const auto invalid = remove_invalid_goals(instance)) return invalid;
     ends_checked_ = true;
@@ -29,6 +30,7 @@ std::optional<Status> TreePlanner::step() {
     check_branch();
     return end_repair_if_checked();
   }
+  const Lookahead::Timed timed = lookahead_.begin_step(*this);
   iterate();
   return done() ? std::optional(Status::solved) : std::nullopt;
 }
@@ -42,10 +44,22 @@ TreePlanner::Extension TreePlanner::extend(View from, View q, double distance, d
   if (distance == 0.0) return {.there = true};
   const auto& space = context_.instance.space;
   const bool reaches = steer(space, from, q, distance, step, target_);
-  const MotionReport report = context_.instance.motion(from, target_);
+  const MotionReport report = motion(from, target_);
   if (report.valid) return {.fate = reaches ? Fate::reached : Fate::advanced};
   space.interpolate(from, target_, report.invalid_at, blocked_);
   return {.blocked = true};
+}
+
+std::optional<NearestIndex::Neighbour> TreePlanner::extend_ahead(const Space& space, const Tree& tree, View q,
+                                                                 double step, StepAhead& ahead, Validity& validity) {
+  const NearestIndex::Neighbour near = tree.nearest(q);
+  ahead.add_nearest(&tree, q, near);
+  if (near.squared_distance == 0.0) return std::nullopt;
+  const View from = tree[near.id];
+  steer(space, from, q, std::sqrt(near.squared_distance), step, ahead.target);
+  const MotionReport report = validity.motion(from, ahead.target);
+  ahead.add_motion(from, ahead.target, report);
+  return report.valid ? std::optional(near) : std::nullopt;
 }
 
 void StartTreePlanner::plant() {
@@ -94,9 +108,18 @@ bool StartTreePlanner::edge_still_valid(std::uint32_t id) {
   return motion_still_valid(context_, (*tree_)[tree_->parent(id)], (*tree_)[id], repair_->since());
 }
 
+void StartTreePlanner::look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const {
+  static_cast<void>(step);
+  const auto& instance = context_.instance;
+  if (!extend_ahead(instance.space, *tree_, ahead.proposal, step_, ahead, validity)) return;
+  if (const auto goal = goal_to_connect(ahead.target)) {
+    ahead.add_motion(ahead.target, instance.goals[*goal], validity.motion(ahead.target, instance.goals[*goal]));
+  }
+}
+
 void StartTreePlanner::iterate() {
-  propose(context_, sample_);
-  const auto near = tree_->to_extend(sample_);
+  draw();
+  const auto near = to_extend(*tree_, sample_);
   const Extension extension = extend((*tree_)[near.id], sample_, std::sqrt(near.squared_distance), step_);
   const bool adds = extension.fate != Fate::rejected;
   const std::uint32_t id = adds ? insert(target_, near.id) : no_node;
@@ -109,14 +132,14 @@ void StartTreePlanner::iterate() {
   record_outcome(context_, outcome, tree_->row(near.id), adds ? tree_->row(id) : no_node);
   if (!adds) return;
   blocked_motions_.report(context_);
-  if (const auto goal = goal_to_connect()) connect(id, *goal);
+  if (const auto goal = goal_to_connect(target_)) connect(id, *goal);
 }
 
 void StartTreePlanner::connect(std::uint32_t id, std::size_t goal) {
   auto& instance = context_.instance;
   const View q = instance.goals[goal];
   if (!context_.guidance.worth_connecting(target_, q)) return;
-  const MotionReport report = instance.motion(target_, q);
+  const MotionReport report = motion(target_, q);
   Outcome outcome;
   outcome.proposal = q;
   outcome.near = target_;

@@ -9,12 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/planner/lookahead.hpp>
 #include <trellis/planner/tree.hpp>
 
 namespace trellis {
 
 /// A planner that grows trees by one proposal at a time. After a change of the instance it repairs its trees first.
-class TreePlanner : public Planner {
+class TreePlanner : public Planner, protected Lookahead::Steps {
  public:
   std::optional<Status> begin(const Budget& budget) override;
   [[nodiscard]] bool draws() const override { return !repairing(); }
@@ -25,7 +26,11 @@ class TreePlanner : public Planner {
 
  protected:
   explicit TreePlanner(PlannerContext context)
-      : Planner(std::move(context)), sample_(dimension()), target_(dimension()), blocked_(dimension()) {}
+      : Planner(std::move(context)),
+        sample_(dimension()),
+        target_(dimension()),
+        blocked_(dimension()),
+        lookahead_(context_) {}
 
   /// Whether there are trees, whether they need repair, and whether the search ends.
   [[nodiscard]] virtual bool planted() const = 0;
@@ -45,6 +50,18 @@ class TreePlanner : public Planner {
   virtual bool end_repair() = 0;
   /// Draws a proposal, and grows towards it.
   virtual void iterate() = 0;
+  [[nodiscard]] std::size_t nodes() const override { return 0; }
+  void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const override {
+    static_cast<void>(step);
+    static_cast<void>(ahead);
+    static_cast<void>(validity);
+  }
+  void mark_new_nodes(bool begins) override { static_cast<void>(begins); }
+  /// Draws the next proposal into sample_.
+  void draw() {
+    propose(context_, sample_);
+    lookahead_.drawn(sample_);
+  }
   [[nodiscard]] virtual Solution finish(Status status) const = 0;
   /// The solution of a solve that ended during the repair.
   [[nodiscard]] virtual Solution unrepaired(Status status) const { return {status, path_of_start(context_.instance)}; }
@@ -61,6 +78,26 @@ class TreePlanner : public Planner {
   /// \param distance  from `from` to q, in metres in the metric
   /// \param step  longest extension, in metres in the metric
   Extension extend(View from, View q, double distance, double step);
+  /// Checks a motion, or takes the report that was computed ahead.
+  [[nodiscard]] MotionReport motion(View from, View to) {
+    const StepAhead* ahead = lookahead_.present();
+    return context_.instance.motion(from, to, ahead != nullptr ? ahead->motion(from, to) : nullptr);
+  }
+  /// The nearest node of a tree.
+  [[nodiscard]] NearestIndex::Neighbour nearest(const Tree& tree, View q) const {
+    const StepAhead* ahead = lookahead_.present();
+    const NearestIndex::Neighbour* old = ahead != nullptr ? ahead->nearest(&tree, q) : nullptr;
+    return old != nullptr ? tree.nearest(q, *old) : tree.nearest(q);
+  }
+  /// The node to extend towards the last proposal q, see Tree.
+  [[nodiscard]] NearestIndex::Neighbour to_extend(const Tree& tree, View q) const {
+    // Steps are computed ahead only where no guide selects nodes.
+    return lookahead_.present() != nullptr ? nearest(tree, q) : tree.to_extend(q);
+  }
+  /// Computes what `extend` asks towards q from the nearest node of a tree, in the thread of a helper.
+  /// \return the node, if the motion is valid and `ahead.target` its end
+  static std::optional<NearestIndex::Neighbour> extend_ahead(const Space& space, const Tree& tree, View q, double step,
+                                                             StepAhead& ahead, Validity& validity);
   /// Updates the node nearest to a goal.
   void note_nearest(std::uint32_t id, double distance) {
     if (distance >= best_distance_) return;
@@ -86,6 +123,7 @@ class TreePlanner : public Planner {
   std::uint64_t epoch_ = 0;
   std::uint64_t valid_since_ = 0;
   bool ends_checked_ = false;
+  Lookahead lookahead_;
 };
 
 /// A planner with one tree, from the start.
@@ -116,8 +154,11 @@ class StartTreePlanner : public TreePlanner {
   virtual void pruned(const std::vector<std::uint32_t>& ids) { static_cast<void>(ids); }
   /// Inserts a node at q, to which the motion from the node `from` is valid.
   virtual std::uint32_t insert(View q, std::uint32_t from);
-  /// The goal to which a motion from a new node at target_ is tried, or none.
-  [[nodiscard]] virtual std::optional<std::size_t> goal_to_connect() const { return std::nullopt; }
+  /// The goal to which a motion from a new node at `target` is tried, or none. Helpers call it too.
+  [[nodiscard]] virtual std::optional<std::size_t> goal_to_connect(View target) const {
+    static_cast<void>(target);
+    return std::nullopt;
+  }
   /// Updates the node nearest to a goal, and whether the search is solved.
   virtual void note(std::uint32_t id);
   /// Notes all nodes anew.
@@ -126,6 +167,8 @@ class StartTreePlanner : public TreePlanner {
   [[nodiscard]] bool branch_still_valid(std::uint32_t id) {
     return repair_->branch_valid(*tree_, id, [&](std::uint32_t at) { return edge_still_valid(at); });
   }
+  void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const override;
+  void mark_new_nodes(bool begins) override { tree_->mark_new_nodes(begins); }
   /// Removes the branches found invalid, and ends the repair.
   void remove_invalid();
 

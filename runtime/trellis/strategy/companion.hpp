@@ -41,6 +41,7 @@ class Companion {
     run.seed = beside.seed;
     run.seeded = true;
     run.densities = beside.densities;
+    run.helpers = beside.helpers;
     run.companion = true;
     run.interrupted = beside.interrupted;
     run.out_of_time = beside.out_of_time;

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/base/helper_threads.hpp>
 #include <trellis/base/lua_time.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/companion.hpp>
@@ -82,6 +83,7 @@ class Running {
       };
     }
     run_.watch = options.watch;
+    if (options.threads > 1) run_.helpers = &helpers_.emplace(options.threads);
     root_.emplace(run_, strategy, problem);
     if (const double seconds = root_->level().common().budget.seconds; seconds < Budget::unlimited) {
       run_.out_of_time = [this, seconds] { return elapsed() >= seconds; };
@@ -192,7 +194,7 @@ class Running {
   /// Called by the thread of the run: its CPU time is that thread's.
   void note_times() {
     seconds_ = elapsed();
-    cpu_seconds_ = thread_seconds() - run_.cpu_begin;
+    cpu_seconds_ = thread_seconds() - run_.cpu_begin + (helpers_ ? helpers_->cpu_seconds() : 0.0);
     lua_seconds_ = lua_seconds() - run_.lua_begin;
     for (RootSearch* search : searches()) {
       seconds_ -= std::chrono::duration<double>(search->check_path().time()).count();
@@ -327,6 +329,7 @@ class Running {
   const Problem& problem_;
   const ExecuteOptions& options_;
   std::chrono::steady_clock::time_point begin_;
+  std::optional<HelperThreads> helpers_;
   Run run_;
   double setup_ = 0.0;
   double set_up_seconds_ = 0.0;

@@ -135,7 +135,8 @@ std::unique_ptr<Planner> Level::make_planner() {
   record_.search.sources = guidance_.sources();
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
-  PlannerContext context{*instance_, *h, Stream(run_.seed, record_.key, stream_), record_.search, guidance_.guided()};
+  PlannerContext context{*instance_,         *h,          Stream(run_.seed, record_.key, stream_), record_.search,
+                         guidance_.guided(), run_.helpers};
   if (division_) {
     const GuideSpec* guide = guide_spec_ ? &*guide_spec_ : nullptr;
     return make_team_search(run_, *this, planner_spec_, guide, *division_, std::move(context));

@@ -45,8 +45,9 @@ double thread_seconds();
 struct Run {
   std::string problem;  ///< name of the problem
   std::uint64_t seed = 0;
-  bool seeded = false;    ///< false if the strategy is only checked, not run
-  bool densities = true;  ///< whether levels record the densities of their proposals
+  bool seeded = false;               ///< false if the strategy is only checked, not run
+  bool densities = true;             ///< whether levels record the densities of their proposals
+  HelperThreads* helpers = nullptr;  ///< of the searches; nullptr: none
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
@@ -153,6 +154,10 @@ class LevelGuidance final : public Guidance {
     const Source source = draw(stream, out);
     if (guided()) instance_.validity->expect_guided(drawn_ == Part::guide || drawn_ == Part::informed);
     return source;
+  }
+  [[nodiscard]] bool preview(Stream& stream, MutableView out) const override {
+    if (guided()) return false;
+    return stream.uniform() < common_.goal_bias ? goal_.preview(stream, out) : uniform_.preview(stream, out);
   }
   [[nodiscard]] std::uint32_t vertex() const override {
     const Guidance* h = drawn_from();

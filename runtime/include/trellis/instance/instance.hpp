@@ -74,6 +74,9 @@ class Validity {
     static_cast<void>(b);
     return std::nullopt;
   }
+  /// Returns a validity with the same answers, for another thread, until the epoch changes; nullptr where answers
+  /// depend on what was asked before, or cannot be had twice.
+  [[nodiscard]] virtual std::shared_ptr<Validity> for_thread() const { return nullptr; }
   /// Announces whether the next motions lead to a guided proposal, so that they are likely to lie on the solution path.
   virtual void expect_guided(bool guided) { static_cast<void>(guided); }
   /// Returns a lower bound on the distance in the metric from an invalid q to the nearest valid configuration; 0 where
@@ -87,7 +90,9 @@ class Validity {
 /// Validity by a collision checker.
 class CollisionValidity final : public Validity {
  public:
-  explicit CollisionValidity(std::unique_ptr<Checker> checker) : checker_(std::move(checker)) {}
+  /// \param make  makes the checker, and equal ones for other threads, by which it is called too
+  explicit CollisionValidity(std::function<std::unique_ptr<Checker>()> make)
+      : make_(std::move(make)), checker_(make_()) {}
   [[nodiscard]] bool state(View q) override { return checker_->valid(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return checker_->motion(a, b); }
   void certify(View a, View b, Certificate& certificate) override { checker_->certify(a, b, certificate); }
@@ -95,9 +100,13 @@ class CollisionValidity final : public Validity {
   [[nodiscard]] std::optional<Contact> contact(View q) override { return checker_->contact(q); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return checker_->nearest_obstacle(q); }
   [[nodiscard]] double invalid_radius(View q) override { return checker_->invalid_radius(q); }
+  [[nodiscard]] std::shared_ptr<Validity> for_thread() const override {
+    return std::make_shared<CollisionValidity>(make_);
+  }
   [[nodiscard]] const Checker& checker() const { return *checker_; }
 
  private:
+  std::function<std::unique_ptr<Checker>()> make_;
   std::unique_ptr<Checker> checker_;
 };
 
@@ -234,9 +243,10 @@ class Instance {
   }
   /// Checks and counts the motion, unless it was verified before: then it counts nothing.
   /// \param a  valid; the caller has checked it
-  [[nodiscard]] MotionReport motion(View a, View b) {
+  /// \param known  the validity's report of this motion, where it was asked before; nullptr: asks it
+  [[nodiscard]] MotionReport motion(View a, View b, const MotionReport* known = nullptr) {
     if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
-    const MotionReport report = validity->motion(a, b);
+    const MotionReport report = known != nullptr ? *known : validity->motion(a, b);
     if (validity->spends_checks()) {
       checks.validity += report.checks;
       ++checks.motion;

@@ -76,6 +76,14 @@ class Guidance {
   /// \param out  receives the proposal, inside the space; it may be invalid
   /// \return the part that drew it
   virtual Source sample(Stream& stream, MutableView out) = 0;
+  /// Draws what `sample` would draw now, if that depends on the stream alone: not on results of earlier samples.
+  /// \param stream  a copy of the level's, which is advanced as `sample` advances it
+  /// \return whether it does; else `out` is unspecified
+  [[nodiscard]] virtual bool preview(Stream& stream, MutableView out) const {
+    static_cast<void>(stream);
+    static_cast<void>(out);
+    return false;
+  }
   /// Receives the result of a sample.
   /// \param mine  whether this guidance drew the sample. A part of a mixture also receives the results of the other
   ///     parts, because each of them can use a configuration found invalid.
@@ -143,6 +151,10 @@ class UniformGuidance final : public Guidance {
     space_.sample_uniform(stream, out);
     return 0;
   }
+  [[nodiscard]] bool preview(Stream& stream, MutableView out) const override {
+    space_.sample_uniform(stream, out);
+    return true;
+  }
   void record(DensityRecord& record, double share) const override { record.add_uniform(share, density_); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"uniform"}; }
 
@@ -158,14 +170,22 @@ class GoalGuidance final : public Guidance {
     for (const auto& goal : instance.goals) goals_.push(goal);
   }
   Source sample(Stream& stream, MutableView out) override {
-    const View goal = std::as_const(goals_)[goals_.size() > 1 ? stream.below(goals_.size()) : 0];
-    std::copy(goal.begin(), goal.end(), out.begin());
+    draw(stream, out);
     return 0;
+  }
+  [[nodiscard]] bool preview(Stream& stream, MutableView out) const override {
+    draw(stream, out);
+    return true;
   }
   void record(DensityRecord& record, double share) const override { record.add_atoms(share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal"}; }
 
  private:
+  void draw(Stream& stream, MutableView out) const {
+    const View goal = goals_[goals_.size() > 1 ? stream.below(goals_.size()) : 0];
+    std::copy(goal.begin(), goal.end(), out.begin());
+  }
+
   Configurations goals_;
 };
 

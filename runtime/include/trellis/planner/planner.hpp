@@ -18,6 +18,8 @@
 
 namespace trellis {
 
+class HelperThreads;
+
 /// How a search ended.
 enum class Status : std::uint8_t {
   untried,  ///< no search was started
@@ -122,6 +124,7 @@ struct PlannerContext {
   Search& search;    ///< the planner appends to it
   bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
                      ///< draws no proposal
+  HelperThreads* helpers = nullptr;  ///< compute ahead what coming steps need; nullptr: one thread does all
 };
 
 /// A planner of one instance with one guidance, which searches in steps: `run_steps` (loop.hpp) is the loop. It does

@@ -126,7 +126,7 @@ struct RunRecord {
   Status status = Status::untried;
   bool solved = false;
   double seconds = 0.0;      ///< wall-clock time to set up and plan, all levels, without completion of the record
-  double cpu_seconds = 0.0;  ///< CPU time of the thread for the same
+  double cpu_seconds = 0.0;  ///< CPU time for the same, of the thread and of its helpers (ExecuteOptions::threads)
   /// Part of `cpu_seconds`: functions in Lua and what they call, and loading their script. Calls are timed by the wall
   /// clock, so this is their share of `seconds`, times `cpu_seconds`. 0 where no such function was called.
   double lua_seconds = 0.0;
@@ -168,6 +168,10 @@ struct ExecuteOptions {
   /// Whether records get what the measure needs besides the samples: the nodes and proposals of lower levels in the
   /// root's space, and the densities of proposals.
   bool measured = true;
+  /// Threads of the run: they check motions and find neighbours ahead of searches without a guide, as of a planner
+  /// alone, of the lowest level of a hierarchy, and of the unguided planner beside it. The record is the same but for
+  /// times.
+  unsigned threads = 1;
   /// False: no unguided planner runs beside a guided search, whatever `bound` says, and guides are set up at once.
   bool companion = true;
   /// Work of all levels at which the run ends with Status::interrupted; 0: no limit.
