@@ -24,6 +24,7 @@ std::string to_string(const OptionValue& value);
 /// Returns the number that the text begins with, in the notation of C whatever the locale; NaN if it begins with none.
 double parse_number(std::string_view text);
 
+/// The range of a number: an interval, closed unless `open_lo` or `open_hi`, in the unit of its option.
 struct Range {
   double lo = -std::numeric_limits<double>::infinity();
   double hi = std::numeric_limits<double>::infinity();
@@ -31,10 +32,12 @@ struct Range {
   bool open_hi = false;
   bool or_zero = false;  ///< contains 0, too
 
+  /// Whether x is in the range; false for NaN.
   [[nodiscard]] bool contains(double x) const;
   /// Describes the range: "in (0, 1]", "greater than 0", "any finite number".
   [[nodiscard]] std::string text() const;
 
+  // The ranges of most options: all finite numbers, (0, inf), [0, inf), [0, 1], [lo, inf), and 0 or (lo, inf).
   static Range any() { return {}; }
   static Range positive() { return {.lo = 0, .open_lo = true}; }
   static Range non_negative() { return {.lo = 0}; }
@@ -71,9 +74,11 @@ struct Component {
   /// Names of the options that a script may give by position, in order: shrink(0.5).
   std::vector<std::string> positional;
 
+  /// Returns the option with this name; nullptr if there is none.
   [[nodiscard]] const Option* find(std::string_view option) const;
 };
 
+/// Returns the kind as messages name it: "guide".
 std::string_view to_string(Component::Kind kind);
 
 /// A complete, validated set of a component's options, in the component's order, with the defaults filled in.
@@ -88,7 +93,10 @@ class Options {
   ///     name. NaN is never valid; infinity is valid only where the default is infinite.
   static Options validate(const Component& component, const std::vector<Entry>& given);
 
+  /// All options of the component, in its order.
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+  /// The value of an option.
+  /// \throws Fault for a name that the component has not
   [[nodiscard]] const OptionValue& at(std::string_view name) const;
 
   friend bool operator==(const Options&, const Options&) = default;
@@ -106,6 +114,9 @@ class Options {
 template <class S>
 class Settings {
  public:
+  /// \param name  in scripts
+  /// \param summary  one line
+  /// \param source  the publication of the method; may be empty
   Settings(Component::Kind kind, std::string name, std::string summary, std::string source) {
     component_.kind = kind;
     component_.name = std::move(name);
@@ -113,6 +124,9 @@ class Settings {
     component_.source = std::move(source);
   }
 
+  // Each of the following declares an option and returns the settings.
+  /// \param unit  as "m" or "validity checks"
+  /// \param doc  one sentence for help and reference
   Settings& number(std::string name, double S::*field, std::string unit, Range range, std::string doc) {
     add({std::move(name), Option::Type::number, std::move(unit), S{}.*field, range, {}, std::move(doc)},
         [field](S& s, const OptionValue& v) { s.*field = std::get<double>(v); });
@@ -171,6 +185,7 @@ class Settings {
     return *this;
   }
 
+  /// The component with all options declared so far.
   [[nodiscard]] const Component& component() const { return component_; }
 
   /// Returns the settings struct that has the values of the validated options.

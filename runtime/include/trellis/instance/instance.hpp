@@ -125,6 +125,7 @@ struct Graph {
   bool verified = true;        ///< all edges are valid; else the search validates the edges of its candidate paths
   std::uint64_t revision = 0;  ///< number of changes of costs since the graph was made
 
+  /// Whether a path to this vertex solves the instance.
   [[nodiscard]] bool is_goal(std::uint32_t vertex) const {
     return std::find(goals.begin(), goals.end(), vertex) != goals.end();
   }
@@ -160,6 +161,7 @@ class LiftWork {
   LiftWork& operator=(LiftWork&&) noexcept = default;
   ~LiftWork() = default;
 
+  /// The work so far, in validity checks.
   [[nodiscard]] double total() const { return total_ ? *total_ : 0.0; }
   [[nodiscard]] const std::shared_ptr<double>& shared() const { return total_; }
 

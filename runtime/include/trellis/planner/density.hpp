@@ -53,11 +53,14 @@ class DensityRecord {
   void compact();
 
   // Guidance::record calls the following functions. The shares of one h add up to 1.
+  /// Adds a share that is uniform over the space.
+  /// \param density  1 by the volume of the space in metric coordinates
   void add_uniform(double share, double density);
   /// Adds a share that falls on finitely many points.
   void add_atoms(double share) { now_.atoms += share; }
   /// Adds a share without closed form.
   void add_unknown(double share) { now_.unknown += share; }
+  /// Adds a share with a density of its own. The same pointer is the same density.
   void add(const std::shared_ptr<const Density>& density, double share);
 
   /// The number of proposals counted.

@@ -23,6 +23,7 @@ struct CommonSettings {
   double checks = Budget::unlimited;
   double seconds = Budget::unlimited;
 
+  /// The options that the planner's level reads.
   [[nodiscard]] PlannerCommon common() const {
     PlannerCommon result;
     result.budget.proposals = proposals;
@@ -139,7 +140,9 @@ class StepLoop {
         monitor_(instance, search, budget, hooks_.stopped),
         ended_(planner.begin(budget)) {}
 
+  /// Whether the solve has ended: then there is no further step.
   [[nodiscard]] bool ended() const { return ended_.has_value(); }
+  /// Compares the limits, then lets the planner take a step.
   void step() {
     const std::optional<Status> reached = limit();
     ended_ = reached ? planner_.stopped(*reached) : planner_.step();

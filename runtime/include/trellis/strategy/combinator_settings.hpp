@@ -61,6 +61,7 @@ struct SplitSettings {
 };
 
 // The settings with descriptions, for scripts and help.
+// The options of the combinators, as scripts give them.
 const Settings<SequenceSettings>& sequence_settings();
 const Settings<BlendSettings>& blend_settings();
 const Settings<ScheduleSettings>& schedule_settings();

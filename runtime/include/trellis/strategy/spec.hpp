@@ -83,6 +83,7 @@ class GuideSpec {
   static GuideSpec make(std::shared_ptr<const CustomGuide> custom, std::optional<PlannerSpec> planner = {},
                         Origin origin = {});
 
+  /// Whether it is a component, else which combination.
   [[nodiscard]] Kind kind() const;
   /// "shrink", "mixture", "schedule".
   [[nodiscard]] const std::string& name() const;
@@ -102,7 +103,8 @@ class GuideSpec {
   /// The guide of its own search; nullptr if none.
   [[nodiscard]] const GuideSpec* below() const;
   [[nodiscard]] const Origin& origin() const;
-  // For combinations (weights are 1 except in a mixture):
+  // For combinations:
+  /// The guides that are combined, with their weights; weights are 1 except in a mixture.
   [[nodiscard]] const std::vector<Term>& terms() const;
   /// The same combinator with its options for other guides, one or none for each term; a mixture keeps the weights of
   /// those that remain. None without any. Not for a component.

@@ -25,14 +25,17 @@ class World {
     std::size_t obstacle = 0;  ///< index into obstacles()
   };
 
+  /// An empty square of 1 m.
   World() : World(Box2{{0, 0}, {1, 1}}, {}) {}
   /// Validates the obstacles (finite, positive extents and radii, simple polygons) and splits non-convex polygons into
   /// convex parts.
   /// \throws Error that names the obstacle.
   World(Box2 bounds, std::vector<Obstacle> obstacles);
 
+  /// The rectangle that the robot is in, metres.
   [[nodiscard]] const Box2& bounds() const { return content_->bounds; }
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return content_->obstacles; }
+  /// The convex pieces of all obstacles, in the order of these.
   [[nodiscard]] const std::vector<Part>& parts() const { return content_->parts; }
   /// Returns a pointer that identifies the content: copies have the same pointer, and no other living world has it.
   [[nodiscard]] std::shared_ptr<const void> identity() const { return content_; }

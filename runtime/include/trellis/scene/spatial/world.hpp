@@ -30,6 +30,7 @@ enum class Contain : std::uint8_t {
 /// cached for it, so that robots of several sizes in one world share them.
 class World3 {
  public:
+  /// An empty cube of 1 m.
   World3() : World3(Box3{{0, 0, 0}, {1, 1, 1}}, {}) {}
   /// Validates the bounds and the obstacles.
   /// \param surface  whether a closed mesh is only its surface, so that a body inside it is not in collision, as in
@@ -37,9 +38,12 @@ class World3 {
   /// \throws Error that names the obstacle
   World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain = Contain::robot, bool surface = false);
 
+  /// The box that the robot is in, metres.
   [[nodiscard]] const Box3& bounds() const { return content_->bounds; }
   [[nodiscard]] const std::vector<Obstacle3>& obstacles() const { return content_->obstacles; }
+  /// What the bounds must contain.
   [[nodiscard]] Contain contain() const { return content_->contain; }
+  /// Whether a closed mesh is only its surface.
   [[nodiscard]] bool surface() const { return content_->surface; }
   /// Returns a world with these obstacles and otherwise the same.
   [[nodiscard]] World3 with(std::vector<Obstacle3> obstacles) const {
