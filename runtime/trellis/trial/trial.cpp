@@ -69,7 +69,7 @@ struct Trial::State {
     return one;
   }
 
-  [[nodiscard]] std::vector<RunResult> make(unsigned jobs) const {
+  [[nodiscard]] std::vector<RunResult> make(unsigned jobs, unsigned threads = 1) const {
     check(experiment());
     std::vector<RunResult> made_now(setup.seeds.size());
     std::atomic<bool> stop{false};  // an exception in one run stops the others
@@ -79,8 +79,8 @@ struct Trial::State {
     in_parallel(made_now.size(), jobs, [&](std::size_t i) {
       try {
         if (interrupted()) throw Interrupted();
-        RunResult run =
-            run_cell(setup.name, setup.strategy, setup.problem, setup.seeds[i], {setup.shortcut, interrupted, {}});
+        RunResult run = run_cell(setup.name, setup.strategy, setup.problem, setup.seeds[i],
+                                 {.shortcut = setup.shortcut, .interrupted = interrupted, .threads = threads});
         if (run.run.status == Status::interrupted) throw Interrupted();
         if (i == 0) check_unused_guides(setup.strategy, setup.problem, run.run);
         made_now[i] = std::move(run);
@@ -153,7 +153,7 @@ const std::vector<PooledScores>& Trial::pooled_scores() const {
   return state_->pooled;
 }
 
-std::vector<RunResult> Trial::runs_again(unsigned jobs) const { return state_->make(jobs); }
+std::vector<RunResult> Trial::runs_again(unsigned jobs) const { return state_->make(jobs, std::min(jobs, 2U)); }
 
 void Trial::forget() const {
   state_->runs.clear();

@@ -69,7 +69,7 @@ class Trial {
   /// Scores the samples of all seeds but one taken together, of each level, lifted to the root, on paths of the seed
   /// left out. None with fewer than five seeds, without paths, and for a target that is not made from a path.
   [[nodiscard]] const std::vector<PooledScores>& pooled_scores() const;
-  /// Executes the runs again on `jobs` threads; does not store them.
+  /// Executes the runs again, `jobs` at the same time, with two threads each if these are several; does not store them.
   /// \param jobs  0: as many as the machine has cores
   [[nodiscard]] std::vector<RunResult> runs_again(unsigned jobs) const;
 
