@@ -69,7 +69,7 @@ foreach(header trellis
                scene/planar/robot scene/planar/scene scene/planar/shapes scene/planar/world space/rotation
                scene/spatial/mesh scene/spatial/point_cloud scene/spatial/robot scene/spatial/scene scene/spatial/shapes scene/spatial/world collision/certificate collision/checker
                instance/instance instance/verified_motions planner/density planner/guidance planner/loop
-               planner/own_planner planner/planner guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/run_facts strategy/spec
+               planner/own_planner planner/planner planner/status guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/run_facts strategy/spec
                trial/criterion trial/level trial/matcher trial/trial)
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES runtime/trellis/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis/${folder}
