@@ -214,7 +214,7 @@ std::string measurement_json(const Case& c, const Measurement& m) {
     Json& all = json["estimators"] = Json::object();
     for (const Measurement::Answer& answer : m.answers) {
       Json& one = all[answer.estimator];
-      one = Json::parse(estimate_line(as_it_is(answer.estimate.value_or(Estimate{}))));
+      one = Json::parse(estimate_line(as_it_is(answer.estimate.value_or(Estimate{})), e));
       if (!answer.estimate) one["reason"] = answer.reason;
     }
   }
@@ -243,7 +243,9 @@ std::string measurement_table(const Case& c, const Measurement& m) {
   const bool blank = !blank_of(e).empty();
   const bool printed = !blank && !std::isnan(e.value_lo);
   const auto add = [&](const char* name, const std::string& value, const std::string& more = "") {
-    text += row(name, value, described(quantity(name)) + more);
+    const Quantity of = quantity(name);
+    const bool first = of.name() == "D_eps" || of.name() == "gain";
+    text += row(name, value, (first ? described(of) : of.meaning) + more);
   };
   const auto uniform = [](double value) { return fmt::format("; uniform ones: {}", figure_text(value)); };
   if (printed) {

@@ -373,7 +373,7 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
 }
 
 std::string measured_set(const Efficiency& efficiency) { return dump(json::measured_set(&efficiency)); }
-std::string estimate_line(const Estimate& estimate) { return dump(json::estimate(estimate)); }
+std::string estimate_line(const Estimate& estimate, const Efficiency& of) { return dump(json::estimate(estimate, of)); }
 
 std::string run_line(const RunFacts& run) { return dump(json::run(run)); }
 

@@ -65,7 +65,7 @@ constexpr auto of_measure = std::to_array<MeasureQuantity>({
         [](auto& e) -> auto& { return e.unregularised_parts.across; }),
     estimated(
         {"", "D_eps", "SE_T(Q)", "nats", less,
-         "sampling efficiency: the divergence of the samples with 5 % uniform ones mixed in, so that it is finite"},
+         "sampling efficiency, the divergence of the samples with 5 % uniform ones mixed in, so that it is finite"},
         [](auto& e) -> auto& { return e.value; }, &Figure::value, true),
     estimated(
         {eps_parts, "mass", "", "nats", less,

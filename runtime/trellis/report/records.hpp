@@ -20,8 +20,8 @@ RunFacts read_run(const std::string& line);
 
 /// Returns the measured set of samples relative to one target, on one line.
 std::string measured_set(const Efficiency& efficiency);
-/// Returns what one estimator finds of them.
-std::string estimate_line(const Estimate& estimate);
+/// Returns what one estimator finds of them. \param of  the set, which bounds it
+std::string estimate_line(const Estimate& estimate, const Efficiency& of);
 
 /// Reads a document of `trellis run --json`, `sweep` or `merge`.
 /// \param file  for messages

@@ -418,10 +418,11 @@ Json& place_of(const Quantity& quantity, Json& object) {
   return group[quantity.key];
 }
 
-Json estimate(const Estimate& estimate) {
-  Efficiency scored;
-  static_cast<Estimate&>(scored) = estimate;
-  return quantities_json(scored, [](const MeasureQuantity& quantity) { return quantity.of_estimate; });
+Json estimate(const Estimate& estimate, const Efficiency& of) {
+  Efficiency one = of;
+  static_cast<Estimate&>(one) = estimate;
+  one.others.clear();
+  return quantities_json(one, [](const MeasureQuantity& quantity) { return quantity.of_estimate; });
 }
 
 Json measured_set(const Efficiency* scored) {
@@ -430,14 +431,7 @@ Json measured_set(const Efficiency* scored) {
   add_fields(scored->along, out["along"]);
   const Efficiency bounded = shown(*scored);
   Json others = Json::object();
-  for (const Estimate& other : scored->others) {
-    // Bounded by the mass of the set.
-    Efficiency one = *scored;
-    static_cast<Estimate&>(one) = other;
-    one.others.clear();
-    others[other.estimator] =
-        quantities_json(one, [](const MeasureQuantity& quantity) { return quantity.of_estimate; });
-  }
+  for (const Estimate& other : scored->others) others[other.estimator] = estimate(other, *scored);
   out.update({{"N", scored->samples},
               {"n", scored->in_target},
               {"repeated", scored->repeated},

@@ -21,7 +21,8 @@ Json& place_of(const Quantity& quantity, Json& object);
 
 /// The measured set of samples relative to a target; null without a score.
 Json measured_set(const Efficiency* scored);
-Json estimate(const Estimate& estimate);
+/// What one estimator finds. \param of  the set, which bounds it
+Json estimate(const Estimate& estimate, const Efficiency& of);
 Efficiency read_measured_set(const Json& json);
 
 /// An entry of `runs`.

@@ -546,13 +546,15 @@ void add_parts(const std::vector<const RunFacts*>& runs, std::vector<LevelSummar
     for (const RunFacts* run : runs) {
       for (const LevelFacts& one : run->levels) {
         if (one.key != levels[i].key) continue;
-        for (const auto& [name, proposals] : one.sources) {
-          all += static_cast<double>(proposals);
+        for (const auto& source : one.sources) {
+          const std::string& name = source.first;
+          const auto proposals = static_cast<double>(source.second);
+          all += proposals;
           if (std::find(other.begin(), other.end(), name) != other.end()) continue;
           auto part =
               std::find_if(parts.begin(), parts.end(), [&](const PartSummary& known) { return known.name == name; });
           if (part == parts.end()) part = parts.insert(parts.end(), {name, 0.0});
-          part->share += static_cast<double>(proposals);
+          part->share += proposals;
         }
       }
     }

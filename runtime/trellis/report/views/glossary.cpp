@@ -107,7 +107,7 @@ const std::vector<ReportTerm>& report_terms() {
       {"single runs differ",
        "the interval over the runs and that of all seeds together exclude each other: together they cover what each "
        "run misses"},
-      {"scale", quantity("scale").meaning},
+      {"scale", described(quantity("scale"))},
   };
   return terms;
 }
