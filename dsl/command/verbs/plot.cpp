@@ -74,10 +74,13 @@ struct Stored {
   std::map<std::string, std::vector<Plotted>> summaries;
   std::vector<std::string> repeated;  ///< "nested on cup", in two documents
 
-  void add(const std::string& file) {
+  /// \param measured  whether a figure of the measure is asked for
+  void add(const std::string& file, bool measured) {
     const ExperimentFacts facts = read_document(file);
+    if (measured) require_format(facts, file);
     ExperimentSummary summary = summarise(facts);
     costs.add(facts, summary, file);
+    if (facts.format != document_format) return;
     for (ProblemSummary& problem : summary.problems) {
       std::vector<Plotted>& there = summaries[problem.problem];
       for (std::size_t s = 0; s < problem.strategies.size(); ++s) {
@@ -193,13 +196,13 @@ int plot_figures(const Options& options) {
   check_format(options.style, false);
   const FigureStyle style = figure_style(options.style, true);
   Stored stored;
-  for (const std::string& file : options.files) stored.add(file);
+  const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
+  for (const std::string& file : options.files) stored.add(file, measured && options.figure);
   stored.costs = stored.costs.without_ablations();
   const std::string baseline = chosen_baseline(stored.costs, options);
   if (options.figure && options.draws(Kind::ratios) && baseline.empty()) {
     throw Error("--figure ratios: the files have one strategy, so there is nothing to compare it with");
   }
-  const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
   if (measured && !stored.repeated.empty()) {
     const std::string text =
         fmt::format("{} is in several files, whose efficiencies do not add up; draw the figures of each file by itself",

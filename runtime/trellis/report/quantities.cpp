@@ -181,8 +181,6 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
      &RunTotals::shortcut_checks},
     {of_run("path_checks", "", none, "configurations checked to certify the paths found; not in validity_checks"),
      &RunTotals::path_checks},
-    {of_run("refuted_paths", "", none, "paths found that these checks refuted, after which the search continued"),
-     &RunTotals::refuted_paths},
     {of_run("work", "checks", less,
             "CPU time by a model, at all levels: validity checks, proposals, searches of graphs, the set-up of guides"),
      &RunTotals::work},
@@ -206,6 +204,8 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
             "a lower bound on the robot's distance from contact along the path, at most a tenth below the least "
             "distance"),
      &RunTotals::clearance},
+    {of_run("refuted_paths", "", none, "paths found that these path_checks refuted, after which the search continued"),
+     &RunTotals::refuted_paths},
 });
 
 constexpr std::array of_teams = {
