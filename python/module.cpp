@@ -307,9 +307,10 @@ std::tuple<std::string, std::string, std::vector<std::string>> run(
                                                                                },
                                                                            .interrupted = Call::is_stopped});
         auto& [document, text, warnings] = answer;
-        const trellis::ExperimentSummary summary =
-            trellis::summarise(experiment, result, request.script ? request.script->path : "");
-        document = trellis::report_json(experiment, result, summary);
+        const trellis::ExperimentFacts facts =
+            trellis::facts_of(experiment, result, request.script ? request.script->path : "");
+        const trellis::ExperimentSummary summary = trellis::summarise(facts);
+        document = trellis::report_json(facts, summary);
         text = trellis::report_text(summary, width, trellis::ReportKind::overview);
         if (request.script) warnings = request.script->program.warnings;
         for (const std::string& sentence : trellis::input_warnings(experiment)) warnings.push_back(sentence);

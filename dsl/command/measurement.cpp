@@ -12,6 +12,8 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/quantities.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -47,7 +49,8 @@ std::vector<std::string> notes_on(const Space& space, const Configurations& samp
 }
 
 /// The plain grid is not regularised: reports its single value as D.
-Estimate as_it_is(Estimate estimate) {
+template <class E>
+E as_it_is(E estimate) {
   if (!estimate.estimator.starts_with("legacy")) return estimate;
   estimate.value = estimate.gain = std::numeric_limits<double>::quiet_NaN();
   estimate.parts = {};
@@ -63,31 +66,10 @@ Json number(double x) {
   return x;
 }
 
-Json parts(const ChainRule& parts) {
-  return {{"mass", number(parts.mass)},
-          {"spread", number(parts.spread)},
-          {"along", number(parts.along)},
-          {"across", number(parts.across)}};
-}
-
 /// Why the table prints no interval; "" where it does, and without a value.
 std::string blank_of(const Efficiency& e) {
   return std::isnan(e.value_lo) ? "" : blank_reason(e.value_lo, e.value_hi, e.uniform);
 }
-
-/// The 95 % interval of the part `mass` of D_eps.
-std::pair<double, double> mass_interval(const Efficiency& e) {
-  return {defended_mass(e.mass_lo, e.uniform), defended_mass(e.mass_hi, e.uniform)};
-}
-
-/// The interval of the part `spread` of D_eps = mass + spread: both 95 % intervals hold with 90 % at least.
-std::pair<double, double> spread_interval(const Efficiency& e) {
-  const auto [lo, hi] = mass_interval(e);
-  if (std::isnan(e.value_lo) || std::isnan(lo)) return {e.value_lo, e.value_lo};
-  return {std::max(0.0, e.value_lo - hi), std::max(0.0, e.value_hi - lo)};
-}
-
-Json interval(const std::pair<double, double>& ends) { return {number(ends.first), number(ends.second)}; }
 
 // Table
 // ----------------------------------------------------------------------------------------------------------------
@@ -99,7 +81,7 @@ std::string interval_text(double lo, double hi) {
 }
 
 std::string row(std::string_view name, const std::string& text, std::string_view meaning) {
-  return fmt::format("  {:<16} {:>13}  {}\n", name, text, meaning);
+  return fmt::format("  {:<17} {:>13}  {}\n", name, text, meaning);
 }
 std::string row(std::string_view name, double x, std::string_view meaning) {
   return row(name, figure_text(x), meaning);
@@ -109,7 +91,7 @@ std::string meaning_of(const std::string& flag) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 10> meanings = {
       {{"underpowered", "as many uniform samples would put fewer than 10 into the target: draw more"},
        {"censored",
-        "no sample lies in the target: D_mass_LB95 is all that is known, the rest is what so few leave possible"},
+        "no sample lies in the target: D_mass_lower95 is all that is known, the rest is what so few leave possible"},
        {"partial", "the samples cover less of the target than as many uniform ones would"},
        {"below mass bound", "D is below what the share of the samples in the target allows: do not believe it"},
        {"lower bound",
@@ -218,57 +200,21 @@ Measurement measure_samples(const Case& c, Configurations samples, const std::ve
 
 std::string measurement_json(const Case& c, const Measurement& m) {
   const Efficiency& e = m.headline;
-  const Estimate figures = as_it_is(e);
-  Json json;
-  json["N"] = e.samples;
+  Json json = Json::parse(measured_set(as_it_is(e)));
+  json["estimator"] = e.estimator;
+  json["blank"] = blank_of(e).empty() ? Json(nullptr) : Json(blank_of(e));
+  json.erase("others");
+  json.erase("reason");
   json["vol_T"] = number(std::exp(m.log_volume));
   json["log_vol_C"] = number(c.space.log_volume());
-  json["D_uniform"] = number(e.uniform);
-  json["n_in"] = e.in_target;
-  json["p_in"] = static_cast<double>(e.in_target) / static_cast<double>(e.samples);
-  json["D"] = number(figures.unregularised);
-  json["D_eps0.05"] = number(figures.value);
-  json["D_eps0.05_CI95"] = {number(e.value_lo), number(e.value_hi)};
-  json["scale_CI95"] = {number(on_scale(e.value_lo, e.perfect, e.uniform)),
-                        number(on_scale(e.value_hi, e.perfect, e.uniform))};
-  json["blank"] = blank_of(e).empty() ? Json(nullptr) : Json(blank_of(e));
-  json["D_eps0.01"] = number(figures.light_value);
-  json["gain_eps0.05"] = number(figures.gain);
-  json["D_mass"] = number(e.mass);
-  json["D_mass_LB95"] = number(e.mass_lower95);
-  json["D_mass_CI95"] = {number(e.mass_lo), number(e.mass_hi)};
-  json["D_perfect"] = number(e.perfect);
-  json["D_parts"] = parts(figures.unregularised_parts);
-  json["D_eps0.05_parts"] = parts(figures.parts);
-  json["D_eps0.05_mass_CI95"] = interval(mass_interval(e));
-  json["D_eps0.05_spread_CI90"] = interval(spread_interval(e));
-  json["D_arc"] = number(e.along.divergence);
-  json["arc_empty_share"] = number(e.along.empty_share);
-  json["cov_delta"] = number(e.coverage);
-  json["cov_half_delta"] = number(e.coverage_half);
-  json["JS"] = number(figures.js);
-  json["estimator"] = e.estimator;
-  json["flags"] = e.flags;
-  json["uniform_cov_delta"] = number(e.uniform_coverage);
-  json["uniform_cov_half_delta"] = number(e.uniform_coverage_half);
-  json["free_share"] = number(e.free_share);
-  json["length"] = number(e.along.length);
+  json["share_in_target"] = static_cast<double>(e.in_target) / static_cast<double>(e.samples);
   json["outside"] = m.outside;
-  json["repeated"] = e.repeated;
   json["notes"] = m.notes;
-  json["along"] = {{"target", e.along.target}, {"samples", e.along.samples}};
   if (!m.answers.empty()) {
     Json& all = json["estimators"] = Json::object();
     for (const Measurement::Answer& answer : m.answers) {
       Json& one = all[answer.estimator];
-      const Estimate estimate = as_it_is(answer.estimate.value_or(Estimate{}));
-      one["D"] = number(estimate.unregularised);
-      one["D_eps0.05"] = number(estimate.value);
-      one["D_eps0.01"] = number(estimate.light_value);
-      one["gain_eps0.05"] = number(estimate.gain);
-      one["D_parts"] = parts(estimate.unregularised_parts);
-      one["D_eps0.05_parts"] = parts(estimate.parts);
-      one["JS"] = number(estimate.js);
+      one = Json::parse(estimate_line(as_it_is(answer.estimate.value_or(Estimate{})), e));
       if (!answer.estimate) one["reason"] = answer.reason;
     }
   }
@@ -296,23 +242,25 @@ std::string measurement_table(const Case& c, const Measurement& m) {
   // An interval exists where the target is uniform; the estimates are printed unless it is blank.
   const bool blank = !blank_of(e).empty();
   const bool printed = !blank && !std::isnan(e.value_lo);
-  const std::string what = "divergence of the samples with 5 % uniform ones mixed in";
+  const auto add = [&](const char* name, const std::string& value, const std::string& more = "") {
+    const Quantity of = quantity(name);
+    const bool first = of.name() == "D_eps" || of.name() == "gain";
+    text += row(name, value, (first ? described(of) : of.meaning) + more);
+  };
+  const auto uniform = [](double value) { return fmt::format("; uniform ones: {}", figure_text(value)); };
   if (printed) {
-    text += row("D_eps0.05", interval_text(e.value_lo, e.value_hi), "nats, less is better: " + what);
-    text += row("gain_eps0.05", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo),
-                "nats above uniform sampling, more is better: D_uniform - D_eps0.05");
+    add("D_eps", interval_text(e.value_lo, e.value_hi));
+    add("gain", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo));
     if (!covers_space(e.uniform)) {
-      text += row("scale",
-                  interval_text(on_scale(e.value_lo, e.perfect, e.uniform), on_scale(e.value_hi, e.perfect, e.uniform)),
-                  "from 0, perfect guidance, to 1, uniform sampling");
+      add("scale",
+          interval_text(on_scale(e.value_lo, e.perfect, e.uniform), on_scale(e.value_hi, e.perfect, e.uniform)));
     }
   } else if (blank) {
-    text += row("D_eps0.05", "",
-                fmt::format("{}: {} ({} to {})", what, blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
+    add("D_eps", "", fmt::format(": {} ({} to {})", blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
   }
   if (!blank) {
     text += row("estimate", figures.value,
-                fmt::format("D_eps0.05 by {}{}", e.estimator,
+                fmt::format("D_eps by {}{}", e.estimator,
                             e.estimator.starts_with("exact") ? "" : ", if the samples show all of the distribution"));
   }
   text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
@@ -321,37 +269,32 @@ std::string measurement_table(const Case& c, const Measurement& m) {
     text += row("    along", figures.parts.along, "of the spread: along the path");
     text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
   }
-  text += row("D_uniform", e.uniform, "D_eps0.05 of uniform sampling");
-  text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
+  add("D_uniform", figure_text(e.uniform));
+  add("D_perfect", figure_text(e.perfect));
   if (!blank) {
-    text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
-    text += row("D", figures.unregularised, "of the samples as they are");
+    add("D_eps0.01", figure_text(figures.light_value));
+    add("D", figure_text(figures.unregularised));
   }
-  text += row(
-      "D_mass", e.mass,
-      fmt::format("-log of the share of the samples in the target; 95 % interval: {} to {}{}", figure_text(e.mass_lo),
-                  figure_text(e.mass_hi), e.repeated > 0 ? "; repeated samples count" : ""));
-  text += row("D_mass_LB95", e.mass_lower95, "the least that D can be, with 95 % confidence");
-  text += row("D_arc", e.along.divergence, "divergence of where along the path the samples in the target lie");
-  text += row("arc_empty_share", e.along.empty_share, "share of the target in parts of the path without a sample");
-  text += row(
-      "cov_delta", e.coverage,
-      fmt::format("share of the target within delta of a sample; uniform ones: {}", figure_text(e.uniform_coverage)));
-  text += row("cov_half_delta", e.coverage_half,
-              fmt::format("within half of delta; uniform ones: {}", figure_text(e.uniform_coverage_half)));
-  if (!blank)
-    text += row("JS", figures.js, "Jensen-Shannon divergence, from 0 (the same) to 0.693 (nothing in common)");
+  add("D_mass", figure_text(e.mass),
+      fmt::format("; 95 % interval: {} to {}{}", figure_text(e.mass_lo), figure_text(e.mass_hi),
+                  e.repeated > 0 ? "; repeated samples count" : ""));
+  add("D_mass_lower95", figure_text(e.mass_lower95));
+  add("along.D", figure_text(e.along.divergence));
+  add("along.empty_share", figure_text(e.along.empty_share));
+  add("coverage", figure_text(e.coverage), uniform(e.uniform_coverage));
+  add("coverage_half", figure_text(e.coverage_half), uniform(e.uniform_coverage_half));
+  if (!blank) add("JS", figure_text(figures.js));
   text += profile(e.along);
   if (!m.answers.empty()) {
-    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", "estimator", "D_eps0.05", "mass",
-                        "spread", "D_eps0.01", "D", "gain_eps0.05", "JS");
+    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "estimator", "D_eps", "mass",
+                        "spread", "D_eps0.01", "D", "gain", "JS");
     for (const Measurement::Answer& answer : m.answers) {
       if (!answer.estimate) {
         text += fmt::format("  {:<10} none: {}\n", answer.estimator, answer.reason);
         continue;
       }
       const Estimate estimate = as_it_is(*answer.estimate);
-      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", answer.estimator,
+      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", answer.estimator,
                           figure_text(estimate.value), figure_text(estimate.parts.mass),
                           figure_text(estimate.parts.spread), figure_text(estimate.light_value),
                           figure_text(estimate.unregularised), figure_text(estimate.gain), figure_text(estimate.js));

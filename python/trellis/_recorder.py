@@ -21,8 +21,8 @@ def _number(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
-def _interval(value: Optional[Sequence[Any]]) -> Interval:
-    return (math.nan, math.nan) if value is None else (_number(value[0]), _number(value[1]))
+def _interval(of: Mapping[str, Any], name: str) -> Interval:
+    return _number(of[name + "_lo"]), _number(of[name + "_hi"])
 
 
 class Measurement:
@@ -50,32 +50,32 @@ class Measurement:
     def se(self) -> float:
         """SE_T(Q), the divergence of T from the samples with 5 % uniform ones mixed in; at least 0, less is better. The
         estimate of `estimator`."""
-        return _number(self.document["D_eps0.05"])
+        return _number(self.document["D_eps"])
 
     @property
     def se_interval(self) -> Interval:
         """The 95 % interval of `se` that the samples support."""
-        return _interval(self.document["D_eps0.05_CI95"])
+        return _interval(self.document, "D_eps")
 
     @property
     def mass(self) -> float:
         """The part of `se` that comes from samples outside of T: `se` = `mass` + `spread`."""
-        return _number(self.document["D_eps0.05_parts"]["mass"])
+        return _number(self.document["D_eps_parts"]["mass"])
 
     @property
     def mass_interval(self) -> Interval:
         """The 95 % interval of `mass` (Clopper and Pearson)."""
-        return _interval(self.document["D_eps0.05_mass_CI95"])
+        return _interval(self.document["D_eps_parts"], "mass")
 
     @property
     def spread(self) -> float:
         """The part of `se` that comes from how unevenly the samples within T cover it."""
-        return _number(self.document["D_eps0.05_parts"]["spread"])
+        return _number(self.document["D_eps_parts"]["spread"])
 
     @property
     def spread_interval(self) -> Interval:
         """The 90 % interval of `spread`, by the 95 % intervals of `se` and `mass`."""
-        return _interval(self.document["D_eps0.05_spread_CI90"])
+        return _interval(self.document["D_eps_parts"], "spread")
 
     @property
     def uniform(self) -> float:
@@ -90,7 +90,7 @@ class Measurement:
     @property
     def gain(self) -> float:
         """`uniform` - `se`: nats above uniform sampling, more is better."""
-        return _number(self.document["gain_eps0.05"])
+        return _number(self.document["gain"])
 
     @property
     def n(self) -> int:
@@ -100,7 +100,7 @@ class Measurement:
     @property
     def in_target(self) -> int:
         """How many of them lie in T."""
-        return int(self.document["n_in"])
+        return int(self.document["n"])
 
     @property
     def estimator(self) -> str:

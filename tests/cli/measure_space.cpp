@@ -44,8 +44,8 @@ TEST_CASE("samples of a body in space have a bound as their headline, and the re
     const Json document = Json::parse(content(place / "out.json"));
     std::size_t scored = 0;
     for (const Json& run : document["runs"]) {
-      const Json& tree = run["levels"][0]["efficiency"]["tree"];
-      if (tree["value"].is_null()) continue;
+      const Json& tree = run["levels"][0]["measure"]["tree"]["self"];
+      if (tree["D_eps"].is_null()) continue;
       ++scored;
       CHECK(tree["estimator"] == "arc");
       const auto flagged = [&](const char* flag) {
@@ -53,11 +53,11 @@ TEST_CASE("samples of a body in space have a bound as their headline, and the re
       };
       CHECK(flagged("lower bound"));
       CHECK_FALSE(flagged("underpowered"));
-      CHECK(tree["value"].get<double>() >= 0.0);
+      CHECK(tree["D_eps"].get<double>() >= 0.0);
       // Proposals of RRT have a density: uniform, and the goal.
-      const Json& expansion = run["levels"][0]["efficiency"]["expansion"];
+      const Json& expansion = run["levels"][0]["measure"]["expansion"]["self"];
       CHECK(expansion["estimator"] == "exact");
-      CHECK(expansion["value"].get<double>() == Approx(expansion["uniform"].get<double>()).margin(0.06));
+      CHECK(expansion["D_eps"].get<double>() == Approx(expansion["D_uniform"].get<double>()).margin(0.06));
     }
     CHECK(scored > 0);
   }
@@ -110,7 +110,7 @@ TEST_CASE("samples of a body in space, of any program: the columns of its quater
   REQUIRE(outcome.status == 0);
   const Json figures = Json::parse(outcome.out);
   CHECK(figures["estimator"] == "arc");
-  CHECK(figures["n_in"] == 500);
+  CHECK(figures["n"] == 500);
   CHECK(figures["outside"] == 0);
   // All rotations belong to the target: |A| is that of a capsule times 8 pi^2 w^3.
   const double pi = 3.14159265358979;

@@ -171,7 +171,7 @@ TEST_CASE("a run continues after a full disk", "[slow]") {
   const Outcome full = it.place.shell("ulimit -f 64; exec \"$T\" run it.lua --quiet --out made");
   CHECK(full.status == 2);
   CHECK(full.err ==
-        "trellis: cannot write 'made/runs.jsonl': File too large; the records before remain, and the same "
+        "trellis: cannot write 'made/scores.jsonl': File too large; the records before remain, and the same "
         "command continues\n");
   const std::string before = it.text("made/runs.jsonl");
   REQUIRE_FALSE(before.empty());

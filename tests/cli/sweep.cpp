@@ -190,9 +190,14 @@ TEST_CASE("merged shards equal one sweep, and gaps and contradictions are named"
   CHECK(contradiction.err.find("differs from its record in a folder before") != std::string::npos);
 }
 
-TEST_CASE("the results of a sweep can be compared and verified") {
+TEST_CASE("the results of a sweep can be reported, compared and verified") {
   const Sweeps it;
   REQUIRE(it.sweep("swept").status == 0);
+  const Outcome report = it.place.run({"report", "swept", "--report", "levels"});
+  CHECK(report.status == 0);
+  CHECK(report.out.find("0 root") != std::string::npos);
+  REQUIRE(it.place.run({"merge", "swept", "--out", "merged"}).status == 0);
+  CHECK(it.place.run({"report", "merged", "--report", "levels"}).out == report.out);
   CHECK(it.place.run({"compare", "swept/results.json", "--baseline", "plain"}).status == 0);
   CHECK(it.place.run({"verify", "swept/results.json"}).status == 0);
 }
@@ -275,7 +280,7 @@ TEST_CASE("a merge replaces its own database only, and has the scores of a run",
     trellis::Database::Statement gain(database, "SELECT tree_gain FROM runs ORDER BY id");
     REQUIRE(gain.step());
     const Json run = Json::parse(it.text("scored/results.json")).at("runs").at(0);
-    CHECK(gain.number(0) == run.at("levels").at(0).at("efficiency").at("tree").at("gain").get<double>());
+    CHECK(gain.number(0) == run.at("levels").at(0).at("measure").at("tree").at("self").at("gain").get<double>());
   }
   REQUIRE(it.place.run({"merge", "scored", "--csv", "all.csv"}).status == 0);
   CHECK(it.text("all.csv") == it.text("scored/runs.csv"));

@@ -115,7 +115,7 @@ class Scripts(Folder):
         self.assertEqual(len(result.document["runs"]), 4)
         self.assertIn("× plain", str(result))
         level = result.document["runs"][0]["levels"][0]
-        self.assertTrue(math.isfinite(level["root_efficiency"]["tree"]["value"]))
+        self.assertTrue(math.isfinite(level["measure"]["root"]["tree"]["self"]["D_eps"]))
 
     @unittest.skipUnless(HAS_PANDAS, "pandas is not installed")
     def test_frames(self):
@@ -124,7 +124,7 @@ class Scripts(Folder):
         self.assertEqual(len(runs), 6)
         self.assertEqual(runs["validity_checks"].tolist(), [r["validity_checks"] for r in result.document["runs"]])
         self.assertEqual(sorted(levels[levels.strategy == "guided"].level.unique()), [0, 1])
-        self.assertIn("root_efficiency.tree.value", levels.columns)
+        self.assertIn("measure.root.tree.self.D_eps", levels.columns)
         self.assertEqual(len(result.summary), 2)
 
     def test_warnings_of_a_script(self):

@@ -106,11 +106,11 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples][slo
           CHECK(level["name"] == names[i]);
           CHECK(level["dimension"] == (i == 3 ? 2 : 3));
           CHECK(level["solves"] >= 1);
-          CHECK(level["efficiency"]["tree"]["value"].is_number());
-          CHECK(level["root_efficiency"]["tree"]["value"].is_number());
+          CHECK(level["measure"]["tree"]["self"]["D_eps"].is_number());
+          CHECK(level["measure"]["root"]["tree"]["self"]["D_eps"].is_number());
         }
         // An exact search proposes nothing, so it has no value for proposals.
-        CHECK(run["levels"][3]["efficiency"]["expansion"]["value"].is_null());
+        CHECK(run["levels"][3]["measure"]["expansion"]["self"]["D_eps"].is_null());
       }
     }
     THEN("the report names every level and both strategies") {
@@ -164,7 +164,7 @@ SCENARIO("guiding spaces written in a script guide as built-in ones do", "[examp
         REQUIRE(own[i]["levels"].size() == 2);
         for (std::size_t k = 0; k < 2; ++k) {
           CHECK(own[i]["levels"][k]["proposals"] == built_in[i]["levels"][k]["proposals"]);
-          CHECK(own[i]["levels"][k]["root_efficiency"] == built_in[i]["levels"][k]["root_efficiency"]);
+          CHECK(own[i]["levels"][k]["measure"]["root"] == built_in[i]["levels"][k]["measure"]["root"]);
         }
       }
     }
@@ -328,10 +328,10 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
       for (const auto* name : {"lazy_prm", "parasol_lazy_prm"}) {
         for (const auto& level : levels_of(name)) {
           if (level["solved"] != true) continue;
-          const auto& tree = level["efficiency"]["tree"];
-          CHECK(tree["n"].get<double>() < level["nodes"].get<double>());
-          CHECK(tree["n"].get<double>() <= level["validity_checks"].get<double>());
-          CHECK(level["efficiency"]["expansion"]["value"].is_null());
+          const auto& tree = level["measure"]["tree"]["self"];
+          CHECK(tree["N"].get<double>() < level["nodes"].get<double>());
+          CHECK(tree["N"].get<double>() <= level["validity_checks"].get<double>());
+          CHECK(level["measure"]["expansion"]["self"]["D_eps"].is_null());
         }
       }
     }
@@ -368,8 +368,9 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
       for (const auto* name : {"rrt", "dr_rrt", "irc", "vonasek", "hybrid", "blend"}) {
         CAPTURE(name);
         for (const auto& level : levels_of(name)) {
-          const auto& expansion = level["efficiency"]["expansion"];
-          if (expansion["value"].is_null()) continue;
+          if (level["measure"].is_null()) continue;
+          const auto& expansion = level["measure"]["expansion"]["self"];
+          if (expansion.is_null() || expansion["D_eps"].is_null()) continue;
           CHECK(expansion["estimator"] == "exact");
         }
       }
@@ -484,7 +485,7 @@ SCENARIO("a guide draws controls, in Lua and in C++", "[examples][slow]") {
         for (const auto& run : runs) {
           CAPTURE(strategy, run["problem"].get<std::string>(), run["seed"].get<int>());
           CHECK(run["solved"] == true);
-          CHECK(run["levels"][0]["efficiency"]["expansion"]["value"].is_number());
+          CHECK(run["levels"][0]["measure"]["expansion"]["self"]["D_eps"].is_number());
         }
       }
     }

@@ -16,6 +16,7 @@
 #include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/parameter_sweeps.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "report_folder.hpp"
@@ -25,6 +26,11 @@
 using namespace trellis;
 
 namespace {
+
+void add(CostData& data, const std::string& document, const std::string& file) {
+  const ExperimentFacts facts = read_results(document, file);
+  data.add(facts, summarise(facts), file);
+}
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -58,7 +64,7 @@ CostData two_worlds() {
   const auto made = [](double scale) {
     const auto times = [&](double factor) {
       std::vector<double> checks;
-      for (int i = 0; i < 8; ++i) checks.push_back(scale * factor * (100 + i));
+      for (int i = 0; i < 8; ++i) checks.push_back(2.0 * scale * factor * (100 + i));
       return checks;
     };
     std::vector<double> failing = times(2.0);
@@ -70,8 +76,8 @@ CostData two_worlds() {
                              {"ab", "skeleton() >> shrink(0.5) >> rrt()", times(1.0)}};
   };
   CostData data;
-  data.add(document("cup", "paper", true, made(1.0)), "cup.json");
-  data.add(document("a|b", "new", false, made(8.0)), "other.json");
+  add(data, document("cup", "paper", true, made(1.0)), "cup.json");
+  add(data, document("a|b", "new", false, made(8.0)), "other.json");
   return data;
 }
 
@@ -98,10 +104,11 @@ TEST_CASE("a strategy's text is split into its levels", "[report][costs]") {
 
 TEST_CASE("costs are divided seed by seed, and a run without a path costs infinitely much", "[report][costs]") {
   CostData data;
-  data.add(document("cup", "", false,
-                    {{"connect", "rrt_connect()", {100, 200, -400, 100, 100, 100}},
-                     {"a", "skeleton() >> rrt_connect()", {50, 50, 100, -10, 200, 300}}}),
-           "cup.json");
+  add(data,
+      document("cup", "", false,
+               {{"connect", "rrt_connect()", {100, 200, -400, 100, 100, 100}},
+                {"a", "skeleton() >> rrt_connect()", {50, 50, 100, -10, 200, 300}}}),
+      "cup.json");
   CHECK(data.baseline == "connect");
   const auto all = compare_costs(data, CostReference::baseline, "connect");
   REQUIRE(all.size() == 1);
@@ -147,13 +154,13 @@ TEST_CASE("a composition is compared with the part that costs less there", "[rep
 
 TEST_CASE("documents that do not fit are refused by name", "[report][costs]") {
   CostData data;
-  CHECK_THROWS_WITH(data.add("{}", "empty.json"), "empty.json: this is no document that trellis run --json writes");
-  CHECK_THROWS_WITH(data.add("<html>", "page.html"), "page.html: this is no document that trellis run --json writes");
+  CHECK_THROWS_WITH(add(data, "{}", "empty.json"), "empty.json: this is no document that trellis run --json writes");
+  CHECK_THROWS_WITH(add(data, "<html>", "page.html"), "page.html: this is no document that trellis run --json writes");
   const std::string one = document("cup", "", false, {{"connect", "rrt_connect()", {1}}});
-  data.add(one, "one.json");
-  CHECK_THROWS_WITH(data.add(one, "again.json"), "again.json: seed 1 of 'connect' on 'cup' is there twice");
+  add(data, one, "one.json");
+  CHECK_THROWS_WITH(add(data, one, "again.json"), "again.json: seed 1 of 'connect' on 'cup' is there twice");
   CHECK_THROWS_WITH(
-      data.add(document("trap", "", false, {{"connect", "rrt()", {1}}}), "two.json"),
+      add(data, document("trap", "", false, {{"connect", "rrt()", {1}}}), "two.json"),
       "two.json: 'connect' is rrt() here and rrt_connect() in another file; --by-name compares strategies "
       "by their names alone");
   CHECK_THROWS_WITH(compare_costs(data, CostReference::baseline, "conect"),
@@ -164,10 +171,10 @@ TEST_CASE("strategies whose options differ between documents are compared by nam
           "[report][costs]") {
   CostData data;
   data.by_name = true;
-  data.add(
+  add(data,
       document("small", "", false, {{"connect", "rrt_connect { step = 1 }", {4}}, {"rrt", "rrt { step = 1 }", {8}}}),
       "small.json");
-  data.add(
+  add(data,
       document("large", "", false, {{"connect", "rrt_connect { step = 9 }", {2}}, {"rrt", "rrt { step = 9 }", {1}}}),
       "large.json");
   REQUIRE(data.strategies.size() == 2);
@@ -183,7 +190,7 @@ TEST_CASE("a document without CPU times has ratios of checks only", "[report][co
   std::string text = document("cup", "", false, {{"connect", "rrt_connect()", {1, 2}}, {"rrt", "rrt()", {2, 4}}});
   for (auto at = text.find("cpu_s"); at != std::string::npos; at = text.find("cpu_s")) text.replace(at, 5, "other");
   CostData data;
-  data.add(text, "old.json");
+  add(data, text, "old.json");
   const auto all = compare_costs(data, CostReference::baseline, "connect");
   REQUIRE(all.size() == 1);
   CHECK(all[0].checks.ratio.value == 2.0);
@@ -208,7 +215,7 @@ TEST_CASE("the pictures of costs are drawn where there is something to draw", "[
     }
   }
   CostData few;
-  few.add(document("cup", "", false, {{"connect", "rrt_connect()", {1, 2}}, {"rrt", "rrt()", {2, -4}}}), "few.json");
+  add(few, document("cup", "", false, {{"connect", "rrt_connect()", {1, 2}}, {"rrt", "rrt()", {2, -4}}}), "few.json");
   for (const std::string name : {"cup/success", "a-b/success"}) {
     for (const std::string format : {"svg", "png", "pdf"}) {
       CHECK(std::filesystem::file_size(path("all/" + name + "." + format)) > 1000);
@@ -251,7 +258,7 @@ TEST_CASE("a curve of success counts the runs that found a path within each cost
   };
   const SuccessCurve failing = success_curve(data, 0, strategy("b"), CostKind::checks);
   CHECK(failing.runs == 8);
-  CHECK(failing.at == std::vector<double>{202, 204, 206, 208, 210, 212, 214});
+  CHECK(failing.at == std::vector<double>{404, 408, 412, 416, 420, 424, 428});
   REQUIRE(failing.share.size() == 7);
   for (std::size_t i = 0; i < 7; ++i) {
     const Interval expected = wilson_interval(i + 1, 8);
@@ -259,8 +266,8 @@ TEST_CASE("a curve of success counts the runs that found a path within each cost
     CHECK(failing.share[i].lo == expected.lo);
     CHECK(failing.share[i].hi == expected.hi);
   }
-  CHECK(failing.spent == 214.0);
-  CHECK(success_curve(data, 0, strategy("rrt"), CostKind::seconds).at.front() == Approx(0.4));
+  CHECK(failing.spent == 428.0);
+  CHECK(success_curve(data, 0, strategy("rrt"), CostKind::seconds).at.front() == Approx(0.8));
 
   // Runs with equal costs of their paths are one step; an anytime run had its path before it ended.
   const CostData going_on = anytime({{{100, 12.0}, {600, 11.0}}, {{100, 13.0}}, {}});
@@ -628,8 +635,8 @@ TEST_CASE("the costs of an experiment are those of its document", "[report][cost
     run.levels.front().root_cross->tree.gain -= 0.1;
   }
   CostData read;
-  read.add(report_json(experiment, result, summarise(experiment, result, "")), "results.json");
-  const CostData made = cost_data(experiment, result, summarise(experiment, result));
+  add(read, fixture::report_json(experiment, result, ""), "results.json");
+  const CostData made = cost_data(facts_of(experiment, result), summarise(facts_of(experiment, result)));
   CHECK(made.baseline == "rrt");
   REQUIRE(made.runs.size() == read.runs.size());
   for (std::size_t i = 0; i < made.runs.size(); ++i) {

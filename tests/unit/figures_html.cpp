@@ -145,7 +145,7 @@ std::size_t held(const std::string& html) {
 TEST_CASE("the page is one file, well formed, and makes no requests", "[report][html]") {
   const Experiment experiment = small();
   const ExperimentResult result = run(experiment);
-  const std::string html = report_html(experiment, result, summarise(experiment, result, "small.lua"));
+  const std::string html = fixture::report_html(experiment, result, "small.lua");
   CHECK(html.starts_with("<!DOCTYPE html>"));
   CHECK(fault(html).empty());
   CHECK(html.find("<title>Trellis: small.lua</title>") != std::string::npos);
@@ -177,7 +177,7 @@ TEST_CASE("the page is one file, well formed, and makes no requests", "[report][
 TEST_CASE("the page holds the records", "[report][html]") {
   const Experiment experiment = small();
   const ExperimentResult result = run(experiment);
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   const Json data = Json::parse(script(html, "data"));
   REQUIRE(data["cells"].size() == 1);
   for (std::size_t s = 0; s < 2; ++s) {
@@ -241,7 +241,7 @@ TEST_CASE("rejected proposals are distinguished by their own validity", "[report
   experiment.strategies = {{"rrt", fixture::plain()}};
   experiment.measure.reset();
   const ExperimentResult result = run(experiment);
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   CHECK(fault(html).empty());
   const Problem& problem = experiment.problems.front();
   const auto checker = make_planar_checker(problem.scene, problem.space, problem.resolution);
@@ -262,7 +262,7 @@ TEST_CASE("names cannot break out of the page", "[report][html]") {
     if (run.strategy == "nested") run.strategy = evil;
     for (auto& level : run.levels) level.record.name = evil;
   }
-  const std::string html = report_html(experiment, result, summarise(experiment, result, evil));
+  const std::string html = fixture::report_html(experiment, result, evil);
   CHECK(fault(html).empty());
   CHECK(html.find("<script>alert") == std::string::npos);
   CHECK(html.find("</script><script>alert") == std::string::npos);
@@ -276,7 +276,7 @@ TEST_CASE("the page is the same twice, times apart", "[report][html]") {
   for (const unsigned jobs : {1U, 2U}) {
     ExperimentResult result = run(experiment, {.jobs = jobs});
     forget_times(result);
-    pages.push_back(report_html(experiment, result, summarise(experiment, result)));
+    pages.push_back(fixture::report_html(experiment, result, ""));
   }
   CHECK(pages[0] == pages[1]);
 }
@@ -284,15 +284,15 @@ TEST_CASE("the page is the same twice, times apart", "[report][html]") {
 TEST_CASE("a page that would be too large holds fewer runs, and says so", "[report][html]") {
   const auto [experiment, result] = fixture::passage();
   std::size_t reported = 0;
-  const std::string all =
-      report_html(experiment, result, summarise(experiment, result),
-                  {.progress = [&](std::size_t done, std::size_t of) { reported = done == of ? done : reported; }});
+  const std::string all = fixture::report_html(
+      experiment, result, "",
+      {.progress = [&](std::size_t done, std::size_t of) { reported = done == of ? done : reported; }});
   CHECK(held(all) == 30);
   CHECK(reported == 30);
   CHECK(all.find("This file holds") == std::string::npos);
   const std::size_t pair = script(all, "run-0").size() + script(all, "run-1").size();
 
-  const std::string three = report_html(experiment, result, summarise(experiment, result), {.most_bytes = 4 * pair});
+  const std::string three = fixture::report_html(experiment, result, "", {.most_bytes = 4 * pair});
   CHECK(held(three) == 6);
   CHECK(three.find("This file holds the samples of 3 seeds (1–3), of 15 in all") != std::string::npos);
   CHECK(three.size() < all.size());
@@ -300,10 +300,10 @@ TEST_CASE("a page that would be too large holds fewer runs, and says so", "[repo
   CHECK(data["cells"][0][1]["runs"][2]["id"] == 5);
   CHECK(data["cells"][0][1]["runs"][3]["id"] == -1);
 
-  const std::string one = report_html(experiment, result, summarise(experiment, result), {.most_bytes = pair / 2});
+  const std::string one = fixture::report_html(experiment, result, "", {.most_bytes = pair / 2});
   CHECK(held(one) == 1);
   CHECK(one.find("This file holds the samples of the 1 run of 30 whose records are smallest") != std::string::npos);
-  const std::string none = report_html(experiment, result, summarise(experiment, result), {.most_bytes = 0});
+  const std::string none = fixture::report_html(experiment, result, "", {.most_bytes = 0});
   CHECK(held(none) == 0);
   CHECK(fault(none).empty());
   CHECK(none.find("14/15") != std::string::npos);  // the tables are of all runs
@@ -316,12 +316,12 @@ TEST_CASE("of a long search the page holds a part, whose trees and turns are who
   experiment.strategies = {{"rrt", PlannerSpec::make("rrt", {{"proposals", std::int64_t{50000}}})}};
   experiment.seeds = {1, 2, 3, 4, 5, 6};
   const ExperimentResult result = run(experiment);
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   CHECK(fault(html).empty());
   CHECK(html.size() < 5'000'000);
   CHECK(held(html) >= 2);
 
-  const std::string small = report_html(experiment, result, summarise(experiment, result), {.most_bytes = 400'000});
+  const std::string small = fixture::report_html(experiment, result, "", {.most_bytes = 400'000});
   CHECK(held(small) == 2);
   CHECK(small.find("Of 2 long runs this file holds a part of the samples, evenly spread") != std::string::npos);
   const std::string text = script(small, "run-0");
@@ -397,13 +397,13 @@ TEST_CASE("a sample costs few bytes", "[report][html]") {
   experiment.seeds = {1};
   ExperimentResult result;
   result.runs.push_back(std::move(run));
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   CHECK(script(html, "run-0").size() * 450 < 30'000'000);
 }
 
 TEST_CASE("unsolved runs, levels without samples and unmeasured experiments have their page", "[report][html]") {
   auto [experiment, result] = fixture::passage();
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   CHECK(fault(html).empty());
   const Json data = Json::parse(script(html, "data"));
   CHECK(data["cells"][0][0]["runs"][6]["text"].get<std::string>().starts_with("not solved: budget spent"));
@@ -415,24 +415,23 @@ TEST_CASE("unsolved runs, levels without samples and unmeasured experiments have
   CHECK(nested["turns"].size() == 4);
 
   experiment.measure.reset();
-  const std::string bare = report_html(experiment, result, summarise(experiment, result));
+  const std::string bare = fixture::report_html(experiment, result, "");
   CHECK(fault(bare).empty());
   CHECK(bare.find("SE of the tree") == std::string::npos);
   CHECK(script(bare, "figures-0-0").empty());
 
   Experiment nothing;
-  CHECK(fault(report_html(nothing, {}, summarise(nothing, {}))).empty());
+  CHECK(fault(fixture::report_html(nothing, {})).empty());
 }
 
 TEST_CASE("the page warns as the printed report does, and says why levels were solved again", "[report][html]") {
   auto [experiment, result] = fixture::passage();
-  CHECK(report_html(experiment, result, summarise(experiment, result)).find("costs more validity checks") ==
-        std::string::npos);
+  CHECK(fixture::report_html(experiment, result, "").find("costs more validity checks") == std::string::npos);
   for (RunResult& run : result.runs) {
     if (run.strategy == "nested") run.run.validity_checks *= 100;
   }
   result.runs[16].levels[2].record.resolves.rejections = 2;
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   CHECK(fault(html).empty());
   const std::size_t list = html.find("<ul id=\"warnings\"");
   REQUIRE(list != std::string::npos);
@@ -455,7 +454,7 @@ TEST_CASE("the page of problems in space has their triangles, positions of three
   Experiment experiment = test::slot_experiment();
   ExperimentResult result = run(experiment);
   forget_times(result);
-  const std::string html = report_html(experiment, result, summarise(experiment, result));
+  const std::string html = fixture::report_html(experiment, result, "");
   CHECK(fault(html).empty());
   CHECK(html.find("const space3 = ") != std::string::npos);
   const Json data = Json::parse(script(html, "data"));
@@ -500,8 +499,8 @@ TEST_CASE("the page of problems in space has their triangles, positions of three
     CHECK(robot["dimension"] == 7);
     CHECK(numbers(robot["surfaces"]["parts"])[1] == 12);
   }
-  CHECK(report_html(experiment, result, summarise(experiment, result)) == html);
+  CHECK(fixture::report_html(experiment, result, "") == html);
   const Experiment plane = small();
   const ExperimentResult found = run(plane);
-  CHECK(report_html(plane, found, summarise(plane, found)).find("const space3 = ") == std::string::npos);
+  CHECK(fixture::report_html(plane, found, "").find("const space3 = ") == std::string::npos);
 }

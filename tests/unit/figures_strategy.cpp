@@ -71,7 +71,7 @@ TEST_CASE("every strategy that was scored has its pictures in a folder of its ow
   auto [experiment, result] = fixture::passage();
   add_profiles(result);
   const Folder folder;
-  write_figures(summarise(experiment, result), folder.path().string());
+  write_figures(summarise(facts_of(experiment, result)), folder.path().string());
   Files expected;
   for (const char* strategy : {"rrt", "nested"}) {
     for (const std::string picture : {"waterfall", "profile", "strip", "plane"}) {
@@ -87,7 +87,7 @@ TEST_CASE("every strategy that was scored has its pictures in a folder of its ow
 
   // The same bytes the second time, over the first.
   const std::string before = read(folder.path() / "simple_passage/nested/waterfall.svg");
-  write_figures(summarise(experiment, result), folder.path().string());
+  write_figures(summarise(facts_of(experiment, result)), folder.path().string());
   CHECK(folder.files() == expected);
   CHECK(read(folder.path() / "simple_passage/nested/waterfall.svg") == before);
 }
@@ -95,7 +95,7 @@ TEST_CASE("every strategy that was scored has its pictures in a folder of its ow
 TEST_CASE("a waterfall goes from uniform sampling to the root under the strategy's name", "[report][figures]") {
   const auto [experiment, result] = fixture::passage();
   const Folder folder;
-  write_figures(summarise(experiment, result), folder.path().string());
+  write_figures(summarise(facts_of(experiment, result)), folder.path().string());
   // Text is drawn as outlines, so the picture is compared as a whole with one made from plain numbers.
   std::vector<double> tree;
   std::vector<double> expansion;
@@ -138,7 +138,7 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
       for (LevelResult& level : run.levels) level.own = level.root = std::nullopt;
     }
     const Folder folder;
-    write_figures(summarise(experiment, result), folder.path().string());
+    write_figures(summarise(facts_of(experiment, result)), folder.path().string());
     CHECK(folder.files() == Files{"simple_passage/nested/waterfall.svg", "simple_passage/nested/waterfall.png",
                                   "simple_passage/nested/waterfall.pdf"});
     CHECK_FALSE(fs::exists(folder.path() / "simple_passage" / "rrt"));
@@ -150,7 +150,7 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
       for (LevelResult& level : run.levels) level.own = level.root = std::nullopt;
     }
     const Folder folder;
-    write_figures(summarise(experiment, result), (folder.path() / "new").string());
+    write_figures(summarise(facts_of(experiment, result)), (folder.path() / "new").string());
     CHECK(folder.files().empty());
     CHECK_FALSE(fs::exists(folder.path() / "new"));
   }
@@ -160,7 +160,7 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
     result.runs[0].levels[0].root->tree.gain = -infinity;
     result.runs[1].levels[0].root->tree = fixture::no_figure(not_a_number);
     const Folder folder;
-    write_figures(summarise(experiment, result), folder.path().string());
+    write_figures(summarise(facts_of(experiment, result)), folder.path().string());
     CHECK(folder.files().size() == 21);
     check_pictures(folder);
   }
@@ -171,7 +171,8 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
   add_profiles(result);
   // Few samples of the lower levels support nothing: they have no point.
   const auto few =
-      strategy_figures("simple_passage", "nested", summarise(experiment, result, "simple_passage", "nested")).plane;
+      strategy_figures("simple_passage", "nested", summarise(facts_of(experiment, result), "simple_passage", "nested"))
+          .plane;
   REQUIRE(few);
   CHECK(few->panels[0].series.size() == 3);
   CHECK(few->caption.find("not drawn: too few samples") != std::string::npos);
@@ -184,7 +185,7 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
       }
     }
   }
-  const RunsSummary summary = summarise(experiment, result, "simple_passage", "nested");
+  const RunsSummary summary = summarise(facts_of(experiment, result), "simple_passage", "nested");
   const auto figure = strategy_figures("simple_passage", "nested", summary).plane;
   REQUIRE(figure);
   REQUIRE(figure->panels.size() == 2);
@@ -221,7 +222,7 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
 TEST_CASE("strips have the shares of the profile, a strip for each level and role", "[report][figures]") {
   auto [experiment, result] = fixture::passage();
   add_profiles(result);
-  const RunsSummary summary = summarise(select_runs(result, "simple_passage", "nested"));
+  const RunsSummary summary = fixture::summary_of(result, "simple_passage", "nested");
   const auto figure = strategy_figures("simple_passage", "nested", summary).strip;
   REQUIRE(figure);
   REQUIRE(figure->strips.size() == 7);
@@ -238,8 +239,8 @@ TEST_CASE("strips have the shares of the profile, a strip for each level and rol
 
 TEST_CASE("waterfalls side by side have one scale, which ends beyond perfect guidance", "[report][figures]") {
   auto [experiment, result] = fixture::passage();
-  const RunsSummary nested = summarise(select_runs(result, "simple_passage", "nested"));
-  const RunsSummary plain = summarise(select_runs(result, "simple_passage", "rrt"));
+  const RunsSummary nested = fixture::summary_of(result, "simple_passage", "nested");
+  const RunsSummary plain = fixture::summary_of(result, "simple_passage", "rrt");
   // One strategy with guides has nothing to stand beside.
   CHECK_FALSE(waterfalls_figure("simple_passage", {{"rrt", &plain}, {"nested", &nested}}));
   RunsSummary other = nested;
@@ -275,11 +276,11 @@ TEST_CASE("a mixture has a waterfall for each path to the root", "[report][figur
     }
   }
   const Folder mixture;
-  write_figures(summarise(experiment, result), mixture.path().string());
+  write_figures(summarise(facts_of(experiment, result)), mixture.path().string());
   check_pictures(mixture);
   const auto [chain_experiment, chain_result] = fixture::passage();
   const Folder chain;
-  write_figures(summarise(chain_experiment, chain_result), chain.path().string());
+  write_figures(summarise(facts_of(chain_experiment, chain_result)), chain.path().string());
   const std::string file = "simple_passage/nested/waterfall.svg";
   CHECK(read(mixture.path() / file).size() > read(chain.path() / file).size());
 }
@@ -297,7 +298,7 @@ TEST_CASE("names that are no file names get folders of their own for their pictu
     }
   }
   const Folder folder;
-  write_figures(summarise(experiment, result), folder.path().string());
+  write_figures(summarise(facts_of(experiment, result)), folder.path().string());
   Files expected;
   for (const char* problem : {"a-b", "-.", "a----b-"}) {
     for (const char* strategy : {"r-r--t", "r-r--t-2"}) {
@@ -317,19 +318,19 @@ TEST_CASE("pictures that cannot be written are an error that says where and why"
   std::ofstream(taken) << "mine";
   SECTION("a file where the folder should be") {
     CHECK_THROWS_WITH(
-        write_figures(summarise(experiment, result), taken.string()),
+        write_figures(summarise(facts_of(experiment, result)), taken.string()),
         "cannot make the directory '" + (taken / "simple_passage" / "rrt").string() + "': Not a directory");
     CHECK(read(taken) == "mine");
   }
   SECTION("a folder where a picture should be") {
     const fs::path picture = folder.path() / "simple_passage" / "rrt" / "waterfall.svg";
     fs::create_directories(picture);
-    CHECK_THROWS_WITH(write_figures(summarise(experiment, result), folder.path().string()),
+    CHECK_THROWS_WITH(write_figures(summarise(facts_of(experiment, result)), folder.path().string()),
                       "cannot write '" + picture.string() + "': Is a directory");
   }
   SECTION("a folder without permission to create it") {
     if (fs::exists("/proc"))
-      CHECK_THROWS_AS(write_figures(summarise(experiment, result), "/proc/trellis-figures"), Error);
+      CHECK_THROWS_AS(write_figures(summarise(facts_of(experiment, result)), "/proc/trellis-figures"), Error);
   }
 }
 
@@ -349,7 +350,7 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   }
   for (std::size_t i = 0; i < 5; ++i) result.runs.push_back(cell("without", i + 1, base[i], 2.5, 500 * (i + 1)));
 
-  const auto compared = compare(experiment, result, false);
+  const auto compared = compare(facts_of(experiment, result), false);
   REQUIRE(compared.size() == 2);
   const Comparison& better = compared[0];
   CHECK(better.problem == "p");
@@ -392,7 +393,7 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   SECTION("another baseline") {
     experiment.baseline = "better";
     experiment.ablations.clear();
-    const auto turned = compare(experiment, result, false);
+    const auto turned = compare(facts_of(experiment, result), false);
     REQUIRE(turned.size() == 2);
     CHECK(turned[0].strategy == "base");
     CHECK(turned[0].tree.difference.value == Approx(0.3));
@@ -401,7 +402,7 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   }
   SECTION("a run that was not scored leaves its pair out, and keeps its success and its checks") {
     result.runs[6].levels.front().root_cross.reset();
-    const Comparison some = compare(experiment, result, false).front();
+    const Comparison some = compare(facts_of(experiment, result), false).front();
     CHECK(some.tree.difference.n == 4);
     CHECK(some.tree.difference.value == Approx(-1.3 / 4));
     CHECK(std::isnan(some.tree.difference.lo));  // four values have no interval
@@ -410,7 +411,7 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   }
   SECTION("infinite figures are not averaged") {
     result.runs[5].levels.front().root_cross->tree.value = infinity;
-    const Comparison some = compare(experiment, result, false).front();
+    const Comparison some = compare(facts_of(experiment, result), false).front();
     CHECK(some.tree.difference.infinite == 1);
     CHECK(some.tree.difference.value == Approx(-0.3));  // the median
     CHECK(std::isnan(some.tree.difference.lo));
@@ -418,14 +419,14 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   }
   SECTION("without other seeds' paths their own serve") {
     for (RunResult& run : result.runs) std::swap(run.levels.front().root, run.levels.front().root_cross);
-    const Comparison own = compare(experiment, result, false).front();
+    const Comparison own = compare(facts_of(experiment, result), false).front();
     CHECK_FALSE(own.cross);
     CHECK(own.tree.difference.value == Approx(-0.3));
   }
   SECTION("one strategy has nothing to be compared with") {
     experiment.strategies.erase(experiment.strategies.begin() + 1, experiment.strategies.end());
     experiment.ablations.clear();
-    CHECK(compare(experiment, result, false).empty());
+    CHECK(compare(facts_of(experiment, result), false).empty());
   }
 }
 
@@ -434,7 +435,7 @@ TEST_CASE("a run without a path lowers the success and stays in the cross figure
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     result.runs.push_back(cell("s", seed, static_cast<double>(seed), 2.0, 100, seed != 4));
   }
-  const RunsSummary summary = summarise(select_runs(result, "p", "s"));
+  const RunsSummary summary = fixture::summary_of(result, "p", "s");
   CHECK(summary.runs == 4);
   CHECK(summary.solved == 3);
   CHECK(summary.success.value == 0.75);
@@ -445,7 +446,7 @@ TEST_CASE("a run without a path lowers the success and stays in the cross figure
   CHECK(summary.levels.front().root.tree.scored == 0);
   // One that is infinite is counted, and the median takes the mean's place.
   result.runs[1].levels.front().root_cross->tree.unregularised = infinity;
-  const Figure counted = summarise(select_runs(result, "p", "s")).levels.front().root_cross.tree;
+  const Figure counted = fixture::summary_of(result, "p", "s").levels.front().root_cross.tree;
   CHECK(counted.unregularised.infinite == 1);
   CHECK(counted.unregularised.value == Approx(0.5 * (3.01 + 4.01)));
 }

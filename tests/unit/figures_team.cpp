@@ -132,7 +132,7 @@ TEST_CASE("the page says where each body of a team is", "[report][team]") {
   Experiment experiment = prioritised();
   experiment.seeds = {1};
   const ExperimentResult result = run(experiment);
-  const std::string page = report_html(experiment, result, summarise(experiment, result), {});
+  const std::string page = fixture::report_html(experiment, result, "", {});
   const auto script = [&](const std::string& id) {
     const std::size_t at = page.find("id=\"" + id + "\"");
     REQUIRE(at != std::string::npos);

@@ -11,8 +11,40 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/figures/html.hpp>
+#include <trellis/report/experiment_summary.hpp>
+#include <trellis/report/report.hpp>
 
 namespace trellis::fixture {
+
+inline std::string report_json(const Experiment& experiment, const ExperimentResult& result,
+                               const std::string& script = "") {
+  const ExperimentFacts facts = facts_of(experiment, result, script);
+  return trellis::report_json(facts, summarise(facts));
+}
+
+inline std::string report_markdown(const Experiment& experiment, const ExperimentResult& result) {
+  const ExperimentFacts facts = facts_of(experiment, result);
+  return trellis::report_markdown(facts, summarise(facts));
+}
+
+inline std::string report_csv(const Experiment& experiment, const ExperimentResult& result) {
+  const ExperimentFacts facts = facts_of(experiment, result);
+  return trellis::report_csv(facts, summarise(facts));
+}
+
+inline std::string report_html(const Experiment& experiment, const ExperimentResult& result,
+                               const std::string& script = "", const HtmlOptions& options = {}) {
+  const ExperimentFacts facts = facts_of(experiment, result, script);
+  return trellis::report_html(experiment, result, facts, summarise(facts), options);
+}
+
+/// The runs of a strategy on a problem alone.
+inline RunsSummary summary_of(const ExperimentResult& result, const std::string& problem, const std::string& strategy) {
+  ExperimentFacts facts;
+  for (const RunResult& run : result.runs) facts.runs.push_back(facts_of(run));
+  return summarise(facts.select(problem, strategy));
+}
 
 inline Problem problem(const std::string& name) {
   Problem p;

@@ -14,15 +14,7 @@ namespace {
 
 json parsed() {
   const auto [experiment, result] = fixture::passage();
-  return json::parse(report_json(experiment, result, summarise(experiment, result, "examples/nested.lua")));
-}
-
-void check_absent(const json& e) {
-  CHECK(e.at("value").is_null());
-  CHECK(e.at("estimator").is_null());
-  CHECK(e.at("gain").is_null());
-  CHECK(e.at("unregularised").is_null());
-  CHECK(e.at("coverage").is_null());
+  return json::parse(fixture::report_json(experiment, result, "examples/nested.lua"));
 }
 
 }  // namespace
@@ -116,34 +108,30 @@ TEST_CASE("JSON figures", "[report][json]") {
   REQUIRE(run.at("seed") == 3);
 
   const Efficiency& tree = result.runs[17].levels[0].own->tree;
-  const json& out = run.at("levels").at(0).at("efficiency").at("tree");
-  CHECK(out.at("value").get<double>() == tree.value);
-  CHECK(out.at("unregularised").get<double>() == tree.unregularised);
-  CHECK(out.at("uniform").get<double>() == tree.uniform);
+  const json& out = run.at("levels").at(0).at("measure").at("tree").at("self");
+  CHECK(out.at("D_eps").get<double>() == tree.value);
+  CHECK(out.at("D").get<double>() == tree.unregularised);
+  CHECK(out.at("D_uniform").get<double>() == tree.uniform);
   CHECK(out.at("gain").get<double>() == tree.gain);
   CHECK(out.at("estimator") == "knn");
-  CHECK(out.at("n") == tree.samples);
+  CHECK(out.at("N") == tree.samples);
   CHECK(out.at("flags") == json::array());
-  CHECK(run.at("levels").at(0).at("coverage") == 0.8);
+  CHECK(out.at("coverage") == 0.8);
 
   // A graph search draws no proposals: no figure, never 0.
   const json& skeleton = run.at("levels").at(3);
   CHECK(skeleton.at("proposals") == 0);
-  check_absent(skeleton.at("efficiency").at("expansion"));
-  CHECK(skeleton.at("efficiency").at("expansion").at("n") == 0);
-  CHECK(skeleton.at("root_efficiency").at("tree").at("unregularised") == "inf");
-  CHECK(skeleton.at("root_efficiency").at("tree").at("flags") == json({"censored"}));
+  const json& none = skeleton.at("measure").at("expansion").at("self");
+  for (const char* name : {"D", "D_eps", "gain", "coverage", "estimator"}) CHECK(none.at(name).is_null());
+  CHECK(none.at("N") == 0);
+  const json& censored = skeleton.at("measure").at("root").at("tree").at("self");
+  CHECK(censored.at("D") == "inf");
+  CHECK(censored.at("flags") == json({"censored"}));
 
-  // An unsolved run has no target: the same fields, all null.
+  // An unsolved run has no target.
   const json& unsolved = document.at("runs").at(6);
   REQUIRE(unsolved.at("solved") == false);
-  for (const char* where : {"efficiency", "root_efficiency"}) {
-    for (const char* role : {"tree", "expansion"}) {
-      check_absent(unsolved.at("levels").at(0).at(where).at(role));
-      CHECK(unsolved.at("levels").at(0).at(where).at(role).at("n").is_null());
-    }
-  }
-  CHECK(unsolved.at("levels").at(0).at("coverage").is_null());
+  CHECK(unsolved.at("levels").at(0).at("measure").is_null());
 }
 
 TEST_CASE("JSON summary", "[report][json]") {
@@ -156,7 +144,8 @@ TEST_CASE("JSON summary", "[report][json]") {
   CHECK(plain.at("solved") == 14);
   CHECK(plain.at("success").at("value").get<double>() == Approx(14.0 / 15.0));
   CHECK(plain.at("length").at("n") == 14);
-  const json& figure = document.at("summary").at(1).at("levels").at(1).at("efficiency").at("expansion").at("value");
+  const json& figure =
+      document.at("summary").at(1).at("levels").at(1).at("measure").at("expansion").at("self").at("D_eps");
   CHECK(figure.at("statistic") == "median");
   CHECK(figure.at("infinite") == 1);
   CHECK(figure.at("lo").is_null());
@@ -174,7 +163,7 @@ TEST_CASE("JSON summary", "[report][json]") {
 
   // Several problems: one more entry per strategy, over all of them.
   const auto [experiment, result] = fixture::queries();
-  const json many = json::parse(report_json(experiment, result, summarise(experiment, result, "")));
+  const json many = json::parse(fixture::report_json(experiment, result, ""));
   REQUIRE(many.at("summary").size() == 101);
   CHECK(many.at("summary").at(100).at("problem").is_null());
   CHECK(many.at("summary").at(100).at("runs") == 100);
@@ -186,10 +175,10 @@ TEST_CASE("JSON stays valid whatever the names and figures", "[report][json]") {
   experiment.measure.reset();
   result.runs[0].run.seconds = std::numeric_limits<double>::quiet_NaN();
   result.runs[0].run.length = std::numeric_limits<double>::infinity();
-  const json document = json::parse(report_json(experiment, result, summarise(experiment, result, "\xff\"\n.lua")));
+  const json document = json::parse(fixture::report_json(experiment, result, "\xff\"\n.lua"));
   CHECK(document.at("experiment").at("measure").is_null());
   CHECK(document.at("runs").at(0).at("time_s").is_null());
-  CHECK(document.at("runs").at(0).at("length").is_null());
+  CHECK(document.at("runs").at(0).at("length") == "inf");
   CHECK(document.at("script") == "\xEF\xBF\xBD\"\n.lua");
 }
 
@@ -206,8 +195,8 @@ TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][
   resolves.invalid_path = 1;
   resolves.exhausted = true;
   result.runs[16].run.improvements = {{120, 0.5, 14.0}, {300, 0.75, 12.5}};
-  const json document = json::parse(report_json(experiment, result, summarise(experiment, result, "")));
-  const std::string printed = report_text(summarise(experiment, result), 100, ReportKind::overview);
+  const json document = json::parse(fixture::report_json(experiment, result, ""));
+  const std::string printed = report_text(summarise(facts_of(experiment, result)), 100, ReportKind::overview);
   const auto one_line = [](std::string text) {
     std::string out;
     for (const char c : text) {

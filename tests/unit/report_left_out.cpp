@@ -7,6 +7,7 @@
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/report/verdict.hpp>
 
+#include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/random_specs.hpp"
 #include "support/worlds.hpp"
@@ -26,13 +27,13 @@ TEST_CASE("verdicts never contradict the ablation, for 40 random hierarchies", "
     experiment.ablation = 100.0;
     CAPTURE(experiment.strategies.front().second.text());
     const ExperimentResult result = run(experiment, {.jobs = 2});
-    const std::vector<GuideVerdict> verdicts = guide_verdicts(experiment, result, false);
+    const std::vector<GuideVerdict> verdicts = guide_verdicts(facts_of(experiment, result), false);
 
     Experiment ablated = experiment;
     ablate(ablated, {"hierarchy"});
     const ExperimentResult all = run(ablated, {.jobs = 2});
     CHECK(all.left_out.empty());
-    const std::vector<GuideVerdict> reference = guide_verdicts(ablated, all, false);
+    const std::vector<GuideVerdict> reference = guide_verdicts(facts_of(ablated, all), false);
     REQUIRE(verdicts.size() == reference.size());
     for (std::size_t k = 0; k < verdicts.size(); ++k) {
       CAPTURE(verdicts[k].guide, verdict_text(verdicts[k].verdict), verdict_text(reference[k].verdict));
@@ -42,7 +43,7 @@ TEST_CASE("verdicts never contradict the ablation, for 40 random hierarchies", "
       if (reference[k].verdict.kind != Verdict::Kind::not_shown) ++decided;
     }
     // Each level that a guide searches has a verdict, at any depth and in any combination.
-    const RunsSummary summary = summarise(select_runs(result, experiment.problems.front().name, "hierarchy"));
+    const RunsSummary summary = fixture::summary_of(result, experiment.problems.front().name, "hierarchy");
     const auto levels = level_verdicts(verdicts, experiment.problems.front().name, "hierarchy", summary);
     REQUIRE(levels.size() == summary.levels.size());
     for (std::size_t l = 1; l < levels.size(); ++l) {

@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/rejections.hpp>
+#include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/views/glossary.hpp>
 #include <trellis/report/views/table.hpp>
@@ -25,7 +26,7 @@ using namespace trellis;
 namespace {
 
 std::string overview(const Experiment& experiment, const ExperimentResult& result, int width = 100) {
-  return report_text(summarise(experiment, result), width, ReportKind::overview);
+  return report_text(summarise(facts_of(experiment, result)), width, ReportKind::overview);
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -107,7 +108,7 @@ TEST_CASE("the number of pairs that would show it is that of a test with a power
 
 TEST_CASE("verdicts have Holm's correction over the whole report", "[report][verdict]") {
   const auto [experiment, result] = fixture::passage();
-  const std::vector<GuideVerdict> found = guide_verdicts(experiment, result, false);
+  const std::vector<GuideVerdict> found = guide_verdicts(facts_of(experiment, result), false);
   REQUIRE(found.size() == 3);
   std::vector<double> p;
   for (const GuideVerdict& one : found) {
@@ -124,7 +125,7 @@ TEST_CASE("verdicts have Holm's correction over the whole report", "[report][ver
   CHECK(found[1].verdict.costs->ratio.value == 2.0);
 
   // The verdict does not depend on the samples; they explain it.
-  const auto summary = summarise(select_runs(result, "simple_passage", "nested"));
+  const auto summary = fixture::summary_of(result, "simple_passage", "nested");
   const auto levels = level_verdicts(found, "simple_passage", "nested", summary);
   REQUIRE(levels.size() == 4);
   CHECK(levels[0].kind == Verdict::Kind::none);
@@ -134,8 +135,8 @@ TEST_CASE("verdicts have Holm's correction over the whole report", "[report][ver
   for (RunResult& run : unscored.runs) {
     for (LevelResult& level : run.levels) level.root = level.own = {};
   }
-  const auto without = level_verdicts(guide_verdicts(same, unscored, false), "simple_passage", "nested",
-                                      summarise(select_runs(unscored, "simple_passage", "nested")));
+  const auto without = level_verdicts(guide_verdicts(facts_of(same, unscored), false), "simple_passage", "nested",
+                                      fixture::summary_of(unscored, "simple_passage", "nested"));
   for (std::size_t i = 0; i < 4; ++i) {
     CHECK(without[i].kind == levels[i].kind);
     CHECK(without[i].reason.empty());
@@ -175,8 +176,8 @@ TEST_CASE("an anytime planner is compared by its first path", "[report][verdict]
   CHECK(has(text, "improvement"));
   CHECK_FALSE(has(text, "warning"));
   const auto [before, unchanged] = fixture::passage();
-  CHECK(guide_verdicts(experiment, result, false)[2].verdict.costs->ratio.value ==
-        guide_verdicts(before, unchanged, false)[2].verdict.costs->ratio.value);
+  CHECK(guide_verdicts(facts_of(experiment, result), false)[2].verdict.costs->ratio.value ==
+        guide_verdicts(facts_of(before, unchanged), false)[2].verdict.costs->ratio.value);
   CHECK_FALSE(has(overview(before, unchanged), "first path"));
 }
 
@@ -200,8 +201,8 @@ TEST_CASE("the share of functions in Lua has a column where a strategy has such 
     }
     const std::string text = overview(experiment, result);
     CHECK(has(text, "Lua %") == (share > 0.0));
-    CHECK(summarise(experiment, result, "simple_passage", "nested").lua_share == share);
-    CHECK(summarise(experiment, result, "simple_passage", "rrt").lua_share == 0.0);
+    CHECK(summarise(facts_of(experiment, result), "simple_passage", "nested").lua_share == share);
+    CHECK(summarise(facts_of(experiment, result), "simple_passage", "rrt").lua_share == 0.0);
   }
 }
 
@@ -229,7 +230,7 @@ TEST_CASE("of two guides that are called the same each has its own ablation", "[
 TEST_CASE("a strategy of the experiment without a level is its ablation", "[report][verdict]") {
   auto [experiment, result] = fixture::passage();
   result.left_out.clear();
-  for (const GuideVerdict& one : guide_verdicts(experiment, result, false)) {
+  for (const GuideVerdict& one : guide_verdicts(facts_of(experiment, result), false)) {
     CHECK(one.verdict.kind == Verdict::Kind::not_tested);
   }
   // The skeleton guides the smaller robot: without the latter it guides the lazy level.
@@ -241,7 +242,7 @@ TEST_CASE("a strategy of the experiment without a level is its ablation", "[repo
     run.run.validity_checks *= 2;
     result.runs.push_back(std::move(run));
   }
-  const auto found = guide_verdicts(experiment, result, false);
+  const auto found = guide_verdicts(facts_of(experiment, result), false);
   REQUIRE(found.size() == 5);
   CHECK(found[1].key == "0/0/0");
   REQUIRE(found[1].verdict.costs.has_value());
@@ -255,7 +256,7 @@ TEST_CASE("a strategy of the experiment without a level is its ablation", "[repo
   single.problems = {fixture::problem("simple_passage")};
   single.strategies = {{"rrt", fixture::plain()}, {"nested", GuideSpec::make("lazy", {}) >> fixture::plain()}};
   single.seeds = experiment.seeds;
-  const auto alone = guide_verdicts(single, result, false);
+  const auto alone = guide_verdicts(facts_of(single, result), false);
   REQUIRE(alone.size() == 1);
   REQUIRE(alone[0].verdict.costs.has_value());
   CHECK(alone[0].verdict.costs->pairs == 15);
@@ -292,13 +293,20 @@ TEST_CASE("a run without a path says what it spent and which level stopped", "[r
     fixture::total(run, solved);
     runs.push_back(std::move(run));
   }
-  const std::vector<const RunResult*> all = {&runs[0], &runs[1], &runs[2]};
-  const std::string text = unsolved_text(all, strategy);
+  const auto text_of = [&](std::vector<RunResult> of) {
+    ExperimentFacts facts;
+    for (RunResult& run : of) {
+      run.reasons = unsolved_reasons(run, strategy);
+      facts.runs.push_back(facts_of(run));
+    }
+    return unsolved_text(facts.select("wall", "guided"));
+  };
+  const std::string text = text_of(runs);
   CHECK(has(text, "2 unsolved: 40 proposals spent at level 0; shrink"));
   CHECK(has(text, "reached its limit of 3 re-solves (in 1)"));
-  CHECK(unsolved_text({&runs[2]}, strategy).empty());
+  CHECK(text_of({runs[2]}).empty());
   runs[0].run.status = Status::no_path;
-  CHECK(has(unsolved_text({&runs[0]}, strategy), "1 unsolved: no path"));
+  CHECK(has(text_of({runs[0]}), "1 unsolved: no path"));
 }
 
 TEST_CASE("a guide that does worse than none is said", "[report]") {
@@ -377,7 +385,7 @@ TEST_CASE("nats are what the samples support, and exact for proposals of a recor
   const std::string text = overview(experiment, result);
   CHECK(has(text, "-2.35"));
   CHECK(has(text, "blank: too few samples"));
-  const RunsSummary summary = summarise(select_runs(result, "", "nested"));
+  const RunsSummary summary = fixture::summary_of(result, "", "nested");
   const FigurePair& root = summary.levels.front().root;
   const AboveUniform exact = above_uniform(root.expansion);
   CHECK(exact.exact);
@@ -436,7 +444,7 @@ TEST_CASE("every word of the overview is explained", "[report]") {
 TEST_CASE("the report of levels says why a level was solved again", "[report]") {
   auto [experiment, result] = fixture::passage();
   const auto levels = [&, &experiment = experiment, &result = result] {
-    return report_text(summarise(experiment, result), 200, ReportKind::levels);
+    return report_text(summarise(facts_of(experiment, result)), 200, ReportKind::levels);
   };
   CHECK_FALSE(has(levels(), "solved again"));
   std::size_t runs = 0;

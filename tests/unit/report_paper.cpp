@@ -86,14 +86,14 @@ std::size_t cells_of(const std::string& row) {
 
 TEST_CASE("the tables look as they should", "[report][golden]") {
   const auto [experiment, result] = published();
-  test::check_golden("table.md", report_markdown(experiment, result, summarise(experiment, result)));
+  test::check_golden("table.md", fixture::report_markdown(experiment, result));
 }
 
 TEST_CASE("every row of a table has as many cells as its head, whatever things are called", "[report]") {
   const auto [experiment, result] = published();
   std::size_t columns = 0;
   std::size_t rows = 0;
-  for (const std::string& line : lines_of(report_markdown(experiment, result, summarise(experiment, result)))) {
+  for (const std::string& line : lines_of(fixture::report_markdown(experiment, result))) {
     if (!line.starts_with('|')) {
       columns = 0;
       continue;
@@ -108,12 +108,12 @@ TEST_CASE("every row of a table has as many cells as its head, whatever things a
 
 TEST_CASE("the values are one to a line, and none is infinite without being counted", "[report]") {
   const auto [experiment, result] = published();
-  const auto lines = lines_of(report_csv(experiment, result, summarise(experiment, result)));
+  const auto lines = lines_of(fixture::report_csv(experiment, result));
   CHECK(lines.front() == "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite");
-  CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,legacy,SE,30,30,30,14,0") == 1);
+  CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,legacy,D_eps,30,30,30,14,0") == 1);
   // A name with a comma and quotes is quoted; the strategy that solved nothing has figures on others' paths at most.
   CHECK(std::any_of(lines.begin(), lines.end(), [](const auto& l) {
-    return l.starts_with("\"a|b, \"\"c\"\"\",nested,tree,own,headline,SE,,,,0,0");
+    return l.starts_with("\"a|b, \"\"c\"\"\",nested,tree,own,headline,D_eps,,,,0,0");
   }));
   CHECK(std::any_of(lines.begin(), lines.end(),
                     [](const auto& l) { return l.starts_with("\"a|b, \"\"c\"\"\",nested,,,,success,0,"); }));
@@ -122,7 +122,7 @@ TEST_CASE("the values are one to a line, and none is infinite without being coun
 TEST_CASE("values without a published counterpart are not compared", "[report]") {
   auto [experiment, result] = published();
   experiment.published.reset();
-  const std::string text = report_markdown(experiment, result, summarise(experiment, result));
+  const std::string text = fixture::report_markdown(experiment, result);
   CHECK(text.find("published") == std::string::npos);
   CHECK(text.find("Spearman") == std::string::npos);
 }
@@ -133,7 +133,7 @@ TEST_CASE("an experiment without a measure has tables of its other values", "[re
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) level.own = level.root = level.own_cross = level.root_cross = std::nullopt;
   }
-  CHECK(report_markdown(experiment, result, summarise(experiment, result)).find("NA<br>NA") != std::string::npos);
+  CHECK(fixture::report_markdown(experiment, result).find("NA<br>NA") != std::string::npos);
 }
 
 TEST_CASE("no table prints a divergence below what is possible, but its bound", "[report]") {
@@ -158,23 +158,24 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
   }
   const double least = least_value(result.runs.front().levels.front().root->tree);
   REQUIRE(least > 0.0);
-  const std::string text = report_markdown(experiment, result, summarise(experiment, result));
+  const std::string text = fixture::report_markdown(experiment, result);
   CHECK(text.find("-0.40") == std::string::npos);
   CHECK(text.find("-1.00") == std::string::npos);
   char bound[32];
   std::snprintf(bound, sizeof bound, "%.2f to 0.90<br>%.2f to 0.90", least, least);
   CHECK(text.find(bound) != std::string::npos);
   CHECK(text.find("≥ 0.35<br>≥ 0.35") != std::string::npos);  // D
-  for (const std::string& line : lines_of(report_csv(experiment, result, summarise(experiment, result)))) {
-    const bool divergence = line.find(",SE,") != std::string::npos || line.find(",D,") != std::string::npos ||
-                            line.find(",spread,") != std::string::npos || line.find(",JS,") != std::string::npos;
+  for (const std::string& line : lines_of(fixture::report_csv(experiment, result))) {
+    const bool divergence = line.find(",D_eps,") != std::string::npos || line.find(",D,") != std::string::npos ||
+                            line.find(",D_eps_parts.spread,") != std::string::npos ||
+                            line.find(",JS,") != std::string::npos;
     if (divergence) CHECK(line.find(",-") == std::string::npos);
   }
 }
 
 TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each row", "[report]") {
   const auto [experiment, result] = published();
-  const std::string text = latex(report_markdown(experiment, result, summarise(experiment, result)));
+  const std::string text = latex(fixture::report_markdown(experiment, result));
   const auto count = [&](const std::string& part) {
     std::size_t n = 0;
     for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
@@ -209,8 +210,7 @@ TEST_CASE("what LaTeX would take for a sign of its own is written as text", "[re
 
 TEST_CASE("tables in LaTeX add no section to the document that reads them", "[report]") {
   const auto [experiment, result] = published();
-  const std::string text =
-      latex(report_markdown(experiment, result, summarise(experiment, result)) + "\n### Deeper\n\n#### Deepest\n");
+  const std::string text = latex(fixture::report_markdown(experiment, result) + "\n### Deeper\n\n#### Deepest\n");
   CHECK(text.find("section") == std::string::npos);
   CHECK(text.find("% Sampling efficiency\n") != std::string::npos);
   CHECK(text.find("\\textbf{SE, own path}") != std::string::npos);
@@ -219,10 +219,10 @@ TEST_CASE("tables in LaTeX add no section to the document that reads them", "[re
 
 TEST_CASE("solved runs, checks and times have their intervals in the tables", "[report]") {
   const auto [experiment, result] = published();
-  const RunsSummary summary = summarise(select_runs(result, "simple_passage", "rrt"));
+  const RunsSummary summary = fixture::summary_of(result, "simple_passage", "rrt");
   std::vector<std::string> cells;
   bool others = false;
-  for (const std::string& line : lines_of(report_markdown(experiment, result, summarise(experiment, result)))) {
+  for (const std::string& line : lines_of(fixture::report_markdown(experiment, result))) {
     if (line.starts_with("## ")) others = line.starts_with("## Other measures, simple");
     if (!others || !line.starts_with("| rrt |")) continue;
     std::istringstream row(line);
@@ -247,7 +247,7 @@ TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
   measured_tree.parts.mass = 0.25;
   measured_tree.value_lo = 0.5;
   measured_tree.value_hi = 1.5;
-  const auto lines = lines_of(runs_csv(result));
+  const auto lines = lines_of(runs_csv(facts_of(experiment, result)));
   REQUIRE(lines.size() == result.runs.size() + 1);
   std::vector<std::string> names;
   std::istringstream header(lines.front());
@@ -276,9 +276,9 @@ TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
     if (cells["tree_D_eps"].empty()) continue;
     const Efficiency& tree = root->tree;
     CHECK(std::stod(cells["tree_D_eps"]) == tree.value);
-    CHECK(std::stod(cells["tree_uniform"]) == tree.uniform);
+    CHECK(std::stod(cells["tree_D_uniform"]) == tree.uniform);
     const std::map<std::string, double> measured = {
-        {"tree_mass", tree.parts.mass}, {"tree_D_eps_lo", tree.value_lo}, {"tree_D_eps_hi", tree.value_hi}};
+        {"tree_D_eps_parts.mass", tree.parts.mass}, {"tree_D_eps_lo", tree.value_lo}, {"tree_D_eps_hi", tree.value_hi}};
     for (const auto& [name, value] : measured) {
       CHECK(cells[name].empty() == std::isnan(value));
       if (!cells[name].empty()) CHECK(std::stod(cells[name]) == value);
@@ -300,8 +300,7 @@ TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") 
     return "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n" + body +
            "\\end{document}\n";
   };
-  static_cast<void>(
-      place.write("table.tex", document(latex(report_markdown(experiment, result, summarise(experiment, result))))));
+  static_cast<void>(place.write("table.tex", document(latex(fixture::report_markdown(experiment, result)))));
   const std::string cd = "cd '" + place.path().string() + "' && ";
   CHECK(succeeds(cd + "pdflatex -interaction=nonstopmode -halt-on-error table.tex"));
   CHECK(succeeds(cd + "! grep -q 'Overfull .hbox' table.log"));

@@ -11,8 +11,8 @@
 #include <trellis/experiment/store.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/stored_scores.hpp>
 
+#include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
 
@@ -46,10 +46,10 @@ class Memory : public RunStore {
  public:
   void planned(RunResult& run) override {
     const std::scoped_lock lock(mutex_);
-    const auto [at, added] = runs.emplace(key(run), run_line(run));
+    const auto [at, added] = runs.emplace(key(run), run_line(facts_of(run)));
     if (added) return;
     restore_times(run, at->second);
-    CHECK(at->second == run_line(run));
+    CHECK(at->second == run_line(facts_of(run)));
   }
   bool restore_scores(RunResult& run) override {
     const auto at = scores.find(key(run));
@@ -92,10 +92,10 @@ TEST_CASE("an experiment that continues from any stored part equals one that doe
   REQUIRE(whole.runs.size() == 12);
   REQUIRE(whole.scores.size() == 12);
   REQUIRE(whole.pools.size() == 2);
-  const std::string expected = report_json(experiment, first, summarise(experiment, first, "it.lua"));
+  const std::string expected = fixture::report_json(experiment, first, "it.lua");
   // Fields that would go unnoticed if no run had them.
   const std::string stored = scores_line(first.runs.front());
-  for (const char* field : {"\"others\":[{", "\"metrics\":{", "\"along\":{", "\"oracle\":{", "\"points\":["}) {
+  for (const char* field : {"\"others\":{\"", "\"metrics\":{", "\"along\":{", "\"oracle\":{", "\"points\":["}) {
     CAPTURE(field);
     CHECK(stored.find(field) != std::string::npos);
   }
@@ -111,7 +111,7 @@ TEST_CASE("an experiment that continues from any stored part equals one that doe
     if (kept == 12) part.pools = whole.pools;
     const ExperimentResult again = run(experiment, {.jobs = 2}, part);
     CHECK(part.restored == kept);
-    CHECK(report_json(experiment, again, summarise(experiment, again, "it.lua")) == expected);
+    CHECK(fixture::report_json(experiment, again, "it.lua") == expected);
     CHECK(part.scores == whole.scores);
     CHECK(part.pools == whole.pools);
     for (std::size_t i = 0; i < again.runs.size(); ++i) {
@@ -144,11 +144,11 @@ TEST_CASE("records of other runs and damaged ones are refused", "[report]") {
   std::vector<PooledScores> pooled;
   CHECK_THROWS_AS(restore_pooled(pooled, "[]"), Error);
 
-  const std::string scored = run_line(run);
+  const std::string scored = run_line(facts_of(run));
   RunResult bare = run;
-  for (LevelResult& level : bare.levels) level = LevelResult{.record = level.record};
-  CHECK(scored != run_line(bare));
-  CHECK(equal_but_for_scores(scored, run_line(bare)));
+  for (LevelResult& level : bare.levels) level = LevelResult{.record = level.record, .rejections = level.rejections};
+  CHECK(scored != run_line(facts_of(bare)));
+  CHECK(equal_but_for_scores(scored, run_line(facts_of(bare))));
   ++bare.run.validity_checks;
-  CHECK_FALSE(equal_but_for_scores(scored, run_line(bare)));
+  CHECK_FALSE(equal_but_for_scores(scored, run_line(facts_of(bare))));
 }

@@ -8,7 +8,6 @@
 #include <trellis/base/error.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/stored_summary.hpp>
 
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
@@ -49,10 +48,12 @@ std::string difference(const std::string& a, const std::string& b) {
 }
 
 void check_same(const Experiment& experiment, const ExperimentResult& result) {
-  const ExperimentSummary summary = summarise(experiment, result, "a script.lua");
-  const std::string document = report_json(experiment, result, summary);
-  const ExperimentSummary stored = read_summary(document, "results.json");
-  CHECK(difference(document, report_json(experiment, result, stored)) == "");
+  const ExperimentFacts facts = facts_of(experiment, result, "a script.lua");
+  const ExperimentSummary summary = summarise(facts);
+  const std::string document = report_json(facts, summary);
+  const ExperimentFacts read = read_results(document, "results.json");
+  const ExperimentSummary stored = summarise(read);
+  CHECK(difference(document, report_json(read, stored)) == "");
   CHECK(summary_text(stored, 120) == summary_text(summary, 120));
   for (const ReportKind kind : {ReportKind::overview, ReportKind::levels, ReportKind::efficiency, ReportKind::full}) {
     for (const int width : {60, 100, 200}) {
@@ -60,6 +61,10 @@ void check_same(const Experiment& experiment, const ExperimentResult& result) {
       CHECK(report_text(stored, width, kind) == report_text(summary, width, kind));
     }
   }
+  // Tables and costs have the same bytes.
+  if (!experiment.published) CHECK(report_markdown(read, stored) == report_markdown(facts, summary));
+  CHECK(report_csv(read, stored) == report_csv(facts, summary));
+  CHECK(runs_csv(read) == runs_csv(facts));
 }
 
 }  // namespace
@@ -76,11 +81,12 @@ TEST_CASE("reports of a stored document are those of its run", "[report][json]")
   SECTION("of runs with all that a report can state") {
     const Experiment experiment = experiment_of_all();
     const ExperimentResult result = run(experiment);
-    const std::string text = report_text(summarise(experiment, result), 160, ReportKind::levels);
+    const std::string text = report_text(summarise(facts_of(experiment, result)), 160, ReportKind::levels);
     for (const char* words : {"goal_bias(0.2)", "no run on high can succeed", "proposals rejected"}) {
       CAPTURE(words);
       const bool next = std::string(words).starts_with("no run");
-      const std::string in = next ? report_text(summarise(experiment, result), 100, ReportKind::overview) : text;
+      const std::string in =
+          next ? report_text(summarise(facts_of(experiment, result)), 100, ReportKind::overview) : text;
       CHECK(in.find(words) != std::string::npos);
     }
     check_same(experiment, result);
@@ -92,17 +98,36 @@ TEST_CASE("reports of a stored document are those of its run", "[report][json]")
   }
 }
 
-TEST_CASE("a document of runs alone has no summary", "[report][json]") {
+TEST_CASE("a document of runs alone has the reports of its runs", "[report][json]") {
+  Experiment experiment = experiment_of_all();
+  experiment.measure.reset();
+  experiment.ablation = 0.0;
+  const ExperimentFacts facts = facts_of(experiment, run(experiment));
+  std::string document = runs_document_begin("", facts.description);
+  for (std::size_t i = 0; i < facts.runs.size(); ++i) document += runs_document_run(run_line(facts.runs[i]), i == 0);
+  const ExperimentFacts read = read_results(document + runs_document_end(true), "results.json");
+  REQUIRE(read.runs.size() == facts.runs.size());
+  CHECK(report_text(summarise(read), 100, ReportKind::levels) ==
+        report_text(summarise(facts), 100, ReportKind::levels));
+}
+
+TEST_CASE("a document of another format has no reports", "[report][json]") {
   const auto [experiment, result] = fixture::passage();
-  std::string document = runs_document_begin("a.lua", experiment_line(experiment));
-  document += runs_document_run(run_line(result.runs.front()), true) + runs_document_end(true);
-  CHECK(read_summary(document, "results.json").problems.empty());
+  std::string document = fixture::report_json(experiment, result);
+  const std::string format = R"(,"format":2)";
+  const auto at = document.find(format);
+  REQUIRE(at != std::string::npos);
+  CHECK_NOTHROW(require_format(read_results(document, "new.json"), "new.json"));
+  document.erase(at, format.size());
+  const ExperimentFacts old = read_results(document, "old.json");
+  CHECK(old.runs.size() == result.runs.size());
+  CHECK_THROWS_WITH(require_format(old, "old.json"), Catch::Matchers::Contains("old.json: trellis"));
 }
 
 TEST_CASE("another document is refused by its name", "[report][json]") {
   for (const char* text : {"", "{}", "[1, 2]", R"({"experiment": 3})", "nonsense"}) {
     CAPTURE(text);
-    CHECK_THROWS_WITH(read_summary(text, "other.json"),
+    CHECK_THROWS_WITH(read_results(text, "other.json"),
                       "other.json: this is no document that trellis run --json writes");
   }
 }

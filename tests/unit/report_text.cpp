@@ -24,48 +24,48 @@ std::size_t widest_line(const std::string& text) {
 
 TEST_CASE("the report looks as it should", "[report][golden]") {
   const auto [experiment, result] = fixture::passage();
-  test::check_golden("report.txt", report_text(summarise(experiment, result)));
+  test::check_golden("report.txt", report_text(summarise(facts_of(experiment, result))));
 }
 
 TEST_CASE("the report of many problems takes them together", "[report][golden]") {
   const auto [experiment, result] = fixture::queries();
-  test::check_golden("report_queries.txt", report_text(summarise(experiment, result)));
+  test::check_golden("report_queries.txt", report_text(summarise(facts_of(experiment, result))));
 }
 
 TEST_CASE("a narrow report splits its tables", "[report][golden]") {
   const auto [experiment, result] = fixture::passage();
-  test::check_golden("report_narrow.txt", report_text(summarise(experiment, result), 100));
+  test::check_golden("report_narrow.txt", report_text(summarise(facts_of(experiment, result)), 100));
 }
 
 TEST_CASE("the report keeps to the width", "[report]") {
   const auto [experiment, result] = fixture::passage();
   for (const int width : {160, 140, 120, 100, 80}) {
     CAPTURE(width);
-    CHECK(widest_line(report_text(summarise(experiment, result), width)) <= static_cast<std::size_t>(width));
+    CHECK(widest_line(report_text(summarise(facts_of(experiment, result)), width)) <= static_cast<std::size_t>(width));
   }
 }
 
 TEST_CASE("parts of the report are what the report has of them", "[report]") {
   const auto [experiment, result] = fixture::passage();
-  const std::string whole = report_text(summarise(experiment, result));
-  const std::string summary = summary_text(summarise(experiment, result));
+  const std::string whole = report_text(summarise(facts_of(experiment, result)));
+  const std::string summary = summary_text(summarise(facts_of(experiment, result)));
   CHECK(summary.find("summary of") != std::string::npos);
   CHECK(summary.find("compared with") != std::string::npos);
   CHECK(whole.find(summary) != std::string::npos);
   const RunResult& run = result.runs.back();
-  CHECK(levels_text(summarise(run)).find("all levels") != std::string::npos);
-  CHECK(levels_text(summarise(run)).find("nats") == std::string::npos);
-  CHECK(efficiency_text(summarise(run)).find("nats") != std::string::npos);
+  CHECK(levels_text(summarise(facts_of(run))).find("all levels") != std::string::npos);
+  CHECK(levels_text(summarise(facts_of(run))).find("nats") == std::string::npos);
+  CHECK(efficiency_text(summarise(facts_of(run))).find("nats") != std::string::npos);
   RunResult unsolved = fixture::plain_run("wall", 1, false);
-  CHECK(efficiency_text(summarise(unsolved)) == "no path, so no target to score against\n");
-  CHECK(levels_text(summarise(unsolved)).find("0/1") != std::string::npos);
+  CHECK(efficiency_text(summarise(facts_of(unsolved))) == "no path, so no target to score against\n");
+  CHECK(levels_text(summarise(facts_of(unsolved))).find("0/1") != std::string::npos);
 }
 
 TEST_CASE("the report says what guides spent, where there are any", "[report]") {
   const auto [experiment, result] = fixture::passage();
-  const std::string guided = levels_text(summarise(result.runs.back()));
+  const std::string guided = levels_text(summarise(facts_of(result.runs.back())));
   CHECK(guided.find("validity checks by") != std::string::npos);
-  const std::string alone = levels_text(summarise(result.runs.front()));
+  const std::string alone = levels_text(summarise(facts_of(result.runs.front())));
   CHECK(alone.find("validity checks by") == std::string::npos);
   CHECK(alone.find("guided") == std::string::npos);
 }
@@ -76,7 +76,7 @@ TEST_CASE("without a measure the report has no efficiency", "[report]") {
   for (auto& run : result.runs) {
     for (auto& level : run.levels) level.own = level.root = std::nullopt;
   }
-  const std::string text = report_text(summarise(experiment, result));
+  const std::string text = report_text(summarise(facts_of(experiment, result)));
   CHECK(text.find("nats") == std::string::npos);
   CHECK(text.find("nan") == std::string::npos);
   CHECK(text.find("proposals") != std::string::npos);
@@ -89,7 +89,7 @@ TEST_CASE("a strategy that never succeeds costs infinitely much, and has dashes 
   experiment.seeds = {1, 2};
   ExperimentResult result;
   for (const auto seed : experiment.seeds) result.runs.push_back(fixture::plain_run("wall", seed, false));
-  const std::string text = report_text(summarise(experiment, result));
+  const std::string text = report_text(summarise(facts_of(experiment, result)));
   CHECK(text.find("solved 0/2") != std::string::npos);
   CHECK(text.find("nan") == std::string::npos);
   const std::string summary = text.substr(text.find("summary of wall"));
@@ -112,9 +112,9 @@ TEST_CASE("levels of a mixture are drawn as a tree, by their keys", "[report]") 
   for (const auto& [key, name] : std::vector<std::pair<std::string, std::string>>{
            {"0", "root"}, {"0/0", "first"}, {"0/0/0", "deep"}, {"0/1", "second"}, {"0/1/0", "deeper"}}) {
     const auto index = static_cast<int>(run.levels.size());
-    run.levels.push_back({fixture::level(index, key, name, plane, "rrt", 10, true), {}, {}});
+    run.levels.push_back({.record = fixture::level(index, key, name, plane, "rrt", 10, true)});
   }
-  const std::string text = report_text(summarise(experiment, {.runs = {run}, .pooled = {}}));
+  const std::string text = report_text(summarise(facts_of(experiment, {.runs = {run}, .pooled = {}})));
   for (const char* label : {"0 root ", "1 ├ first ", "2 │ └ deep ", "3 └ second ", "4   └ deeper "}) {
     CAPTURE(label);
     CHECK(text.find(label) != std::string::npos);
@@ -123,7 +123,7 @@ TEST_CASE("levels of a mixture are drawn as a tree, by their keys", "[report]") 
 
 TEST_CASE("a summary counts only what was scored", "[report]") {
   const auto [experiment, result] = fixture::passage();
-  const RunsSummary plain = summarise(select_runs(result, "simple_passage", "rrt"));
+  const RunsSummary plain = fixture::summary_of(result, "simple_passage", "rrt");
   CHECK(plain.runs == 15);
   CHECK(plain.solved == 14);
   REQUIRE(plain.levels.size() == 1);
@@ -131,7 +131,7 @@ TEST_CASE("a summary counts only what was scored", "[report]") {
   CHECK(plain.levels[0].root.tree.value.n == 14);
   CHECK(plain.length.n == 14);
 
-  const RunsSummary nested = summarise(select_runs(result, "", "nested"));
+  const RunsSummary nested = fixture::summary_of(result, "", "nested");
   REQUIRE(nested.levels.size() == 4);
   CHECK(nested.levels[3].parent == 2);
   CHECK(nested.levels[1].own.expansion.value.infinite == 1);
@@ -152,22 +152,22 @@ TEST_CASE("text wraps at spaces", "[report]") {
 TEST_CASE("the report warns of a guide that does worse than none, and of no other", "[report]") {
   auto [experiment, result] = fixture::passage();
   experiment.baseline = "rrt";
-  CHECK(summarise(experiment, result).problems.front().warnings.empty());
-  CHECK(report_text(summarise(experiment, result)).find("warning") == std::string::npos);
+  CHECK(summarise(facts_of(experiment, result)).problems.front().warnings.empty());
+  CHECK(report_text(summarise(facts_of(experiment, result))).find("warning") == std::string::npos);
   for (RunResult& run : result.runs) {
     if (run.strategy == "nested") run.run.validity_checks *= 100;
   }
-  const auto costly = summarise(experiment, result).problems.front().warnings;
+  const auto costly = summarise(facts_of(experiment, result)).problems.front().warnings;
   REQUIRE(costly.size() == 1);
   CHECK(costly.front().starts_with("nested costs more validity checks than rrt, which has no guide: "));
-  CHECK(report_text(summarise(experiment, result)).find("\nwarning: nested costs more") != std::string::npos);
+  CHECK(report_text(summarise(facts_of(experiment, result))).find("\nwarning: nested costs more") != std::string::npos);
   // Guides that leave most runs unsolved cost more, however early they gave up.
   for (RunResult& run : result.runs) {
     if (run.strategy != "nested") continue;
     run.run.validity_checks = 1;
     run.run.solved = run.seed <= 2;
   }
-  const auto failing = summarise(experiment, result).problems.front().warnings;
+  const auto failing = summarise(facts_of(experiment, result)).problems.front().warnings;
   REQUIRE_FALSE(failing.empty());
   CHECK(failing.front() == "nested solves fewer runs than rrt, which has no guide: 2 of 15 against 14");
 }
@@ -184,7 +184,7 @@ TEST_CASE("samples of all seeds together come first, and single runs that differ
   pooled.scores.tree.perfect = 0.05;
   pooled.scores.expansion = fixture::efficiency(2.41, 1.2, 700);
   result.pooled = {pooled};
-  const RunsSummary summary = summarise(experiment, result, "simple_passage", "nested");
+  const RunsSummary summary = summarise(facts_of(experiment, result), "simple_passage", "nested");
   const LevelSummary& root = summary.levels.front();
   REQUIRE(root.pooled);
   const Headline nodes = headline(root, SampleRole::tree);
@@ -197,7 +197,7 @@ TEST_CASE("samples of all seeds together come first, and single runs that differ
   // Levels without such samples are averaged over the runs.
   CHECK(headline(summary.levels[1], SampleRole::tree).seeds == 0);
   CHECK(summary.tree_waterfall.steps.back().after.value == Approx(2.41 - 2.8));
-  const std::string text = report_text(summarise(experiment, result), 100, ReportKind::overview);
+  const std::string text = report_text(summarise(facts_of(experiment, result)), 100, ReportKind::overview);
   for (const char* words : {"-0.59…-0.19", "the samples of all 15 seeds together", "single runs differ: root nodes +",
                             "scale, 0 perfect guidance, 1 uniform sampling: root", "nodes 1.08…1.25"}) {
     CAPTURE(words);
@@ -205,6 +205,6 @@ TEST_CASE("samples of all seeds together come first, and single runs that differ
   }
   // Fewer than five seeds are not enough.
   result.pooled.front().seeds = 3;
-  CHECK(headline(summarise(experiment, result, "simple_passage", "nested").levels.front(), SampleRole::tree).seeds ==
-        0);
+  CHECK(headline(summarise(facts_of(experiment, result), "simple_passage", "nested").levels.front(), SampleRole::tree)
+            .seeds == 0);
 }

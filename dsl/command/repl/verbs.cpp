@@ -276,7 +276,7 @@ class Verbs {
   }
 
   int levels(Stack& call) {
-    say(levels_text(summarise(only_run(call, "levels")->result()), width()));
+    say(levels_text(summarise(facts_of(only_run(call, "levels")->result())), width()));
     return 0;
   }
 
@@ -315,7 +315,7 @@ class Verbs {
                               dsl::describe(call[next])));
     }
     score(run, measure, state_.interrupted);
-    say(efficiency_text(summarise(run.result()), width()));
+    say(efficiency_text(summarise(facts_of(run.result())), width()));
     return 0;
   }
 
@@ -930,7 +930,7 @@ class Verbs {
            .interrupted = state_.interrupted},
           finished);
     }
-    say(summary_text(summarise(experiment, result), width()).substr(1));
+    say(summary_text(summarise(facts_of(experiment, result)), width()).substr(1));
     if (!finished.empty()) {
       say(fmt::format("interrupted; this is what was finished: {}", finished));
       state_.forget_interruption();

@@ -28,6 +28,7 @@
 #include <trellis/report/csv.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/files.hpp>
+#include <trellis/report/quantities.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -54,9 +55,9 @@ Value value_of(const Json& json) {
 }
 
 struct Column {
-  const char* name;
+  std::string name;
   const char* type;
-  const char* field;  ///< a JSON pointer into the entry; "": the value is given
+  std::string field;  ///< a JSON pointer into the entry; "": the value is given
 };
 
 class Table {
@@ -169,23 +170,19 @@ void write_inputs(const Database& database, const Manifest& manifest, const Json
 }
 
 std::vector<Column> run_columns() {
-  return {{"id", "INTEGER PRIMARY KEY", ""},
-          {"problem", "INTEGER NOT NULL REFERENCES problem", ""},
-          {"strategy", "INTEGER NOT NULL REFERENCES strategy", ""},
-          {"record", "TEXT NOT NULL", ""},
-          {"seed", "INTEGER NOT NULL", "/seed"},
-          {"status", "TEXT NOT NULL", "/status"},
-          {"solved", "INTEGER NOT NULL", "/solved"},
-          {"time_s", "REAL NOT NULL", "/time_s"},
-          {"cpu_s", "REAL NOT NULL", "/cpu_s"},
-          {"length", "REAL", "/length"},
-          {"validity_checks", "INTEGER NOT NULL", "/validity_checks"},
-          {"motion_checks", "INTEGER NOT NULL", "/motion_checks"},
-          {"shortcut_checks", "INTEGER NOT NULL", "/shortcut_checks"},
-          {"certified", "INTEGER NOT NULL", "/certified"},
-          {"clearance", "REAL", "/clearance"},
-          {"path_checks", "INTEGER NOT NULL", "/path_checks"},
-          {"refuted_paths", "INTEGER NOT NULL", "/refuted_paths"}};
+  std::vector<Column> columns = {{"id", "INTEGER PRIMARY KEY", ""},
+                                 {"problem", "INTEGER NOT NULL REFERENCES problem", ""},
+                                 {"strategy", "INTEGER NOT NULL REFERENCES strategy", ""},
+                                 {"record", "TEXT NOT NULL", ""},
+                                 {"seed", "INTEGER NOT NULL", "/seed"},
+                                 {"status", "TEXT NOT NULL", "/status"},
+                                 {"solved", "INTEGER NOT NULL", "/solved"},
+                                 {"certified", "INTEGER NOT NULL", "/certified"}};
+  for (const RunQuantity& quantity : run_quantities()) {
+    const bool real = std::holds_alternative<double RunTotals::*>(quantity.field);
+    columns.push_back({quantity.key, real ? "REAL" : "INTEGER NOT NULL", fmt::format("/{}", quantity.key)});
+  }
+  return columns;
 }
 
 std::vector<Column> level_columns() {
@@ -207,15 +204,15 @@ std::vector<Column> level_columns() {
           {"time_s", "REAL", "/time_s"},
           {"status", "TEXT NOT NULL", "/status"},
           {"solved", "INTEGER NOT NULL", "/solved"},
-          {"tree_D_eps", "REAL", "/efficiency/tree/value"},
-          {"tree_gain", "REAL", "/efficiency/tree/gain"},
-          {"expansion_D_eps", "REAL", "/efficiency/expansion/value"},
-          {"expansion_gain", "REAL", "/efficiency/expansion/gain"},
-          {"root_tree_D_eps", "REAL", "/root_efficiency/tree/value"},
-          {"root_tree_gain", "REAL", "/root_efficiency/tree/gain"},
-          {"root_expansion_D_eps", "REAL", "/root_efficiency/expansion/value"},
-          {"root_expansion_gain", "REAL", "/root_efficiency/expansion/gain"},
-          {"coverage", "REAL", "/coverage"}};
+          {"tree_D_eps", "REAL", "/measure/tree/self/D_eps"},
+          {"tree_gain", "REAL", "/measure/tree/self/gain"},
+          {"expansion_D_eps", "REAL", "/measure/expansion/self/D_eps"},
+          {"expansion_gain", "REAL", "/measure/expansion/self/gain"},
+          {"root_tree_D_eps", "REAL", "/measure/root/tree/self/D_eps"},
+          {"root_tree_gain", "REAL", "/measure/root/tree/self/gain"},
+          {"root_expansion_D_eps", "REAL", "/measure/root/expansion/self/D_eps"},
+          {"root_expansion_gain", "REAL", "/measure/root/expansion/self/gain"},
+          {"tree_coverage", "REAL", "/measure/tree/self/coverage"}};
 }
 
 void write_runs(const Database& database, const Json& experiment, const StoredRuns& records) {
@@ -307,9 +304,9 @@ std::vector<Column> arena_run_columns() {
           {"motion_checks", "INTEGER", "/motion_checks"},
           {"iterations", "INTEGER", "/levels/0/proposals"},
           {"graph_states", "INTEGER", "/levels/0/nodes"},
-          {"tree_gain", "REAL", "/levels/0/efficiency/tree/gain"},
-          {"expansion_gain", "REAL", "/levels/0/efficiency/expansion/gain"},
-          {"coverage", "REAL", "/levels/0/coverage"},
+          {"tree_gain", "REAL", "/levels/0/measure/tree/self/gain"},
+          {"expansion_gain", "REAL", "/levels/0/measure/expansion/self/gain"},
+          {"tree_coverage", "REAL", "/levels/0/measure/tree/self/coverage"},
           {"seed", "INTEGER", "/seed"}};
 }
 

@@ -14,11 +14,13 @@
 #include <system_error>
 #include <vector>
 
+#include <dsl/language/core/stdlib.hpp>
 #include <dsl/lua/mistakes.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
 #include <trellis/base/printable.hpp>
 #include <trellis/report/files.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/views/table.hpp>
 
 namespace trellis::command {
@@ -99,6 +101,11 @@ void name_documents(std::vector<std::string>& paths) {
     const fs::path document = fs::path(path) / "results.json";
     if (fs::is_directory(path, ignored) && fs::is_regular_file(document, ignored)) path = document.string();
   }
+}
+
+ExperimentFacts read_document(const std::string& file) {
+  constexpr std::size_t largest = std::size_t{4} << 30U;
+  return read_results(dsl::read_file(file, largest), file);
 }
 
 std::string broken_at_words(std::string_view text, int file) {

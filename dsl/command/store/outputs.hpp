@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/facts.hpp>
 
 namespace trellis::command {
 
@@ -30,6 +31,9 @@ class OutputFolder {
 
 /// Replaces the name of each folder of --out by that of the document of results in it.
 void name_documents(std::vector<std::string>& paths);
+
+/// Reads a document of results. \throws Error that names the file
+ExperimentFacts read_document(const std::string& file);
 
 // All text leaves for the terminal here. What a terminal would obey is printed as its code (trellis::printable).
 

@@ -44,15 +44,6 @@ std::string in(const std::string& folder, const char* name) { return (std::files
                           std::strerror(reason)));  // NOLINT(concurrency-mt-unsafe)
 }
 
-void remove_times(Json& json) {
-  if (json.is_object()) {
-    for (const char* name : {"time_s", "cpu_s", "lua_s", "path_cpu_s", "set_up_s"}) json.erase(std::string(name));
-  }
-  if (json.is_structured()) {
-    for (Json& part : json) remove_times(part);
-  }
-}
-
 /// Returns the first name whose hash differs, "" for none.
 std::string first_difference(const std::map<std::string, std::string>& a, const std::map<std::string, std::string>& b) {
   for (const auto& [name, hash] : a) {
@@ -301,12 +292,6 @@ std::string StoredRuns::line(std::size_t run) const {
     ++opened_;
   }
   return read_part(file, place.offset, place.length, files_[place.file]);
-}
-
-std::string without_times(const std::string& line) {
-  Json json = Json::parse(line);
-  remove_times(json);
-  return json.dump();
 }
 
 std::string utf8(const std::string& text) {

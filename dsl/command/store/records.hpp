@@ -145,9 +145,6 @@ class StoredRuns {
   std::size_t others_ = 0;
 };
 
-/// Returns a record without times, which differ from run to run.
-std::string without_times(const std::string& line);
-
 /// Returns a text as JSON stores it: bytes that are no UTF-8 become U+FFFD.
 std::string utf8(const std::string& text);
 

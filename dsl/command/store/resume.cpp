@@ -13,7 +13,6 @@
 #include <trellis/base/error.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/stored_scores.hpp>
 
 namespace trellis::command {
 
@@ -25,7 +24,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* runs_file = "runs.jsonl";
 constexpr const char* scores_file = "scores.jsonl";
 
-RunKey key_of(const RunResult& run) { return {utf8(run.problem), utf8(run.strategy), run.seed}; }
+template <class Run>
+RunKey key_of(const Run& run) {
+  return {utf8(run.problem), utf8(run.strategy), run.seed};
+}
 // No strategy has an empty name: these records are of a whole problem.
 RunKey pooled_key(const std::string& problem) { return {utf8(problem), "", 0}; }
 RunKey figures_key(const std::string& problem) { return {utf8(problem), "", 1}; }
@@ -73,11 +75,11 @@ void Resume::planned(RunResult& run) {
   const RunKey key = key_of(run);
   const auto stored = runs_.find(key);
   if (!stored) {
-    attempt([&] { runs_.append(key, run_line(run)); });
+    attempt([&] { runs_.append(key, run_line(facts_of(run))); });
     return;
   }
   restore_times(run, *stored);
-  if (equal_but_for_scores(*stored, run_line(run))) return;
+  if (equal_but_for_scores(*stored, run_line(facts_of(run)))) return;
   throw Error(fmt::format(
       "{}: {} differs from its record when it is planned again; the program, the machine or a file that the script "
       "reads has changed: name another folder, or start again with --restart",
@@ -130,18 +132,18 @@ void Resume::draw(const std::string& problem, const std::string& style, const st
   scores_.append(key, json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-void Resume::finish(const ExperimentResult& result) {
+void Resume::finish(const ExperimentFacts& experiment) {
   std::string runs;
   std::string scores;
   const auto add_scores = [&](const RunKey& key) {
     const auto stored = scores_.find(key);
     if (stored) scores += *stored + '\n';
   };
-  for (std::size_t i = 0; i < result.runs.size(); ++i) {
-    const RunResult& run = result.runs[i];
+  for (std::size_t i = 0; i < experiment.runs.size(); ++i) {
+    const RunFacts& run = experiment.runs[i];
     runs += run_line(run) + '\n';
     add_scores(key_of(run));
-    if (i + 1 < result.runs.size() && result.runs[i + 1].problem == run.problem) continue;
+    if (i + 1 < experiment.runs.size() && experiment.runs[i + 1].problem == run.problem) continue;
     add_scores(pooled_key(run.problem));
     add_scores(figures_key(run.problem));
   }

@@ -47,7 +47,7 @@ class Resume : public RunStore {
   [[nodiscard]] bool restored() const { return restored_; }
 
   /// Replaces the records by those of the results, in their order.
-  void finish(const ExperimentResult& result);
+  void finish(const ExperimentFacts& experiment);
 
  private:
   std::string folder_;

@@ -10,7 +10,6 @@
 #include <dsl/command/figure_options.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/store/outputs.hpp>
-#include <dsl/language/core/stdlib.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/figures/charts/costs_figures.hpp>
 #include <trellis/report/costs.hpp>
@@ -30,14 +29,16 @@ struct Options {
 };
 
 int compare(const Options& options) {
-  constexpr std::size_t largest = std::size_t{4} << 30U;
   constexpr int unbounded_width = 160;
   check_format(options.style, !options.out.empty());
   const FigureStyle style = figure_style(options.style, !options.out.empty());
   OutputFolder out(options.out);
   CostData data;
   data.by_name = options.by_name;
-  for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
+  for (const std::string& file : options.files) {
+    const ExperimentFacts facts = read_document(file);
+    data.add(facts, summarise(facts), file);
+  }
   const std::string baseline = options.baseline.empty() ? data.reference() : options.baseline;
   if (baseline.empty()) throw Error("compare: the files have one strategy, so there is nothing to compare it with");
   const auto width =

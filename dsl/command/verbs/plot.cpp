@@ -15,7 +15,6 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/figure_options.hpp>
 #include <dsl/command/store/outputs.hpp>
-#include <dsl/language/core/stdlib.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/figures/charts/costs_figures.hpp>
 #include <trellis/figures/charts/figures.hpp>
@@ -23,14 +22,12 @@
 #include <trellis/figures/html.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/stored_summary.hpp>
 
 namespace trellis::command {
 
 namespace {
-
-constexpr std::size_t largest = std::size_t{4} << 30U;
 
 /// In the order of figure_names().
 enum class Kind : std::uint8_t {
@@ -77,9 +74,13 @@ struct Stored {
   std::map<std::string, std::vector<Plotted>> summaries;
   std::vector<std::string> repeated;  ///< "nested on cup", in two documents
 
-  void add(const std::string& document, const std::string& file) {
-    costs.add(document, file);
-    ExperimentSummary summary = read_summary(document, file);
+  /// \param measured  whether a figure of the measure is asked for
+  void add(const std::string& file, bool measured) {
+    const ExperimentFacts facts = read_document(file);
+    if (measured) require_format(facts, file);
+    ExperimentSummary summary = summarise(facts);
+    costs.add(facts, summary, file);
+    if (facts.format != document_format) return;
     for (ProblemSummary& problem : summary.problems) {
       std::vector<Plotted>& there = summaries[problem.problem];
       for (std::size_t s = 0; s < problem.strategies.size(); ++s) {
@@ -195,13 +196,13 @@ int plot_figures(const Options& options) {
   check_format(options.style, false);
   const FigureStyle style = figure_style(options.style, true);
   Stored stored;
-  for (const std::string& file : options.files) stored.add(dsl::read_file(file, largest), file);
+  const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
+  for (const std::string& file : options.files) stored.add(file, measured && options.figure);
   stored.costs = stored.costs.without_ablations();
   const std::string baseline = chosen_baseline(stored.costs, options);
   if (options.figure && options.draws(Kind::ratios) && baseline.empty()) {
     throw Error("--figure ratios: the files have one strategy, so there is nothing to compare it with");
   }
-  const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
   if (measured && !stored.repeated.empty()) {
     const std::string text =
         fmt::format("{} is in several files, whose efficiencies do not add up; draw the figures of each file by itself",
@@ -229,7 +230,9 @@ void write_page(const Options& options) {
     throw Error("--html: the page is of one document, whose efficiencies it shows; those of several do not add up");
   }
   require_writable_file(options.html);
-  write_file(options.html, stored_report_html(dsl::read_file(options.files.front(), largest), options.files.front()));
+  const ExperimentFacts facts = read_document(options.files.front());
+  require_format(facts, options.files.front());
+  write_file(options.html, stored_report_html(facts, summarise(facts), options.files.front()));
 }
 
 int plot(const Options& options) {

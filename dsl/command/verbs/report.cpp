@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dsl/command/verbs/report.hpp>
 
-#include <fmt/format.h>
-
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -12,9 +10,7 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/store/outputs.hpp>
-#include <dsl/language/core/stdlib.hpp>
-#include <trellis/base/error.hpp>
-#include <trellis/report/stored_summary.hpp>
+#include <trellis/report/records.hpp>
 
 namespace trellis::command {
 
@@ -27,14 +23,9 @@ struct Options {
 };
 
 int report(const Options& options) {
-  constexpr std::size_t largest = std::size_t{4} << 30U;
-  const ExperimentSummary summary = read_summary(dsl::read_file(options.file, largest), options.file);
-  if (summary.problems.empty()) {
-    throw Error(
-        fmt::format("{}: its runs have no summary, as those of a sweep; `trellis compare {}` compares what they cost",
-                    options.file, options.file));
-  }
-  print_report(summary, static_cast<ReportKind>(options.kind.value_or(0)), options.width);
+  const ExperimentFacts facts = read_document(options.file);
+  require_format(facts, options.file);
+  print_report(summarise(facts), static_cast<ReportKind>(options.kind.value_or(0)), options.width);
   return success;
 }
 
@@ -49,13 +40,14 @@ void print_report(const ExperimentSummary& summary, ReportKind kind, std::option
 
 void add_report(CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  Subcommand verb = line.add("report", "print the report of stored results of trellis run again", [options] {
+  Subcommand verb = line.add("report", "print the report of stored results again", [options] {
     std::vector<std::string> files = {options->file};
     name_documents(files);
     options->file = files.front();
     return report(*options);
   });
-  verb.argument("RESULTS", "FILE", options->file, "a document that trellis run --json wrote, or a folder of --out");
+  verb.argument("RESULTS", "FILE", options->file,
+                "a document that trellis run --json wrote, or a folder of --out, also of sweep and merge");
   verb.choice("--report", report_kinds(), options->kind,
               "what is printed: overview (default), levels, efficiency or full");
   verb.integer(

@@ -151,15 +151,15 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
 }
 
 /// Writes the output of --out for the finished problems, except the figures of each strategy.
-void write_out(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-               const Options& options, const FigureStyle& style) {
+void write_out(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+               const ExperimentSummary& summary, const Options& options, const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
-  write_tables(options.style, options.out, report_markdown(experiment, result, summary));
-  write_file((folder / "table.csv").string(), report_csv(experiment, result, summary));
-  write_file((folder / "runs.csv").string(), runs_csv(result));
-  write_file((folder / "results.json").string(), report_json(experiment, result, summary));
-  write_html(experiment, result, summary, (folder / "report.html").string());
-  write_comparison_figures(cost_data(experiment, result, summary), (folder / "figures").string(), style);
+  write_tables(options.style, options.out, report_markdown(facts, summary));
+  write_file((folder / "table.csv").string(), report_csv(facts, summary));
+  write_file((folder / "runs.csv").string(), runs_csv(facts));
+  write_file((folder / "results.json").string(), report_json(facts, summary));
+  write_html(experiment, result, facts, summary, (folder / "report.html").string());
+  write_comparison_figures(cost_data(facts, summary), (folder / "figures").string(), style);
 }
 
 /// The options that change the runs or their scores.
@@ -193,7 +193,8 @@ Interrupted interrupted_after(std::size_t problems, const Experiment& experiment
   std::vector<std::string> finished;
   if (problems > 0) {
     const Experiment part = part_of(experiment, 0, problems);
-    write_out(part, result, summarise(part, result, options.script), options, style);
+    const ExperimentFacts facts = facts_of(part, result, options.script);
+    write_out(part, result, facts, summarise(facts), options, style);
   }
   for (std::size_t k = 0; k < problems; ++k) finished.push_back(experiment.problems[k].name);
   return Interrupted(fmt::format("interrupted; '{}' holds {} of {} runs{}{}; the same command continues", options.out,
@@ -226,7 +227,7 @@ ExperimentResult run_problems(const Experiment& experiment, const Options& optio
       const std::filesystem::path figures = std::filesystem::path(options.out) / "figures";
       resume.attempt([&] {
         resume.draw(name, style_text(options), (figures / Directories()(name)).string(), [&] {
-          write_all_figures(one, found, summarise(one, found), figures.string(), drawing, options.quiet);
+          write_all_figures(one, found, summarise(facts_of(one, found)), figures.string(), drawing, options.quiet);
         });
       });
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
@@ -365,11 +366,11 @@ class Writers {
   std::optional<Error> failure_;
 };
 
-void write_page(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-                const Options& options) {
+void write_page(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+                const ExperimentSummary& summary, const Options& options) {
   Progress progress(!options.quiet);
   const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
-  write_html(experiment, result, summary, options.html, {.progress = show});
+  write_html(experiment, result, facts, summary, options.html, {.progress = show});
 }
 
 int run(const Options& options) {
@@ -416,26 +417,27 @@ int run(const Options& options) {
   gltf.keep();
   if (resume) tell_unsolved(experiment, result);
 
-  const ExperimentSummary summary = summarise(experiment, result, options.script);
+  const ExperimentFacts facts = facts_of(experiment, result, options.script);
+  const ExperimentSummary summary = summarise(facts);
   if (resume) {
     Progress progress(!options.quiet);
     progress.show("writing the tables and the page");
     resume->attempt([&] {
-      write_out(experiment, result, summary, options, drawing.style);
-      resume->finish(result);
+      write_out(experiment, result, facts, summary, options, drawing.style);
+      resume->finish(facts);
     });
   }
   Writers writers;
   writers.attempt(resume && resume->failure(), [&] { throw Error(*resume->failure()); });
   writers.attempt(!options.quiet, [&] { print_report(summary, kind, options.width); });
   if (options.quiet) warn_of_guides(summary);
-  writers.attempt(!options.json.empty(), [&] { write_file(options.json, report_json(experiment, result, summary)); });
-  writers.attempt(!options.csv.empty(), [&] { write_file(options.csv, runs_csv(result)); });
-  writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, summary, options); });
+  writers.attempt(!options.json.empty(), [&] { write_file(options.json, report_json(facts, summary)); });
+  writers.attempt(!options.csv.empty(), [&] { write_file(options.csv, runs_csv(facts)); });
+  writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, facts, summary, options); });
   writers.attempt(!options.samples.empty(), [&] { write_samples(result, options.samples); });
   writers.attempt(!options.figures.empty(), [&] {
     write_all_figures(experiment, result, summary, options.figures, drawing, options.quiet);
-    write_comparison_figures(cost_data(experiment, result, summary), options.figures, drawing.style);
+    write_comparison_figures(cost_data(facts, summary), options.figures, drawing.style);
   });
   writers.attempt(!options.gltf.empty(), [&] {
     for (const std::string& note : write_gltf(experiment, result, options.gltf)) {

@@ -82,8 +82,11 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
       if (cell % seeds == 0) {
         check_unused_guides(spec, experiment.problems[cell / seeds / strategies], run.run);
       }
+      for (LevelResult& level : run.levels) {
+        level.rejections = rejections(level.record, experiment.problems[cell / seeds / strategies].resolution);
+      }
       release(run);
-      file.append(runs.key(cell), run_line(run));
+      file.append(runs.key(cell), run_line(facts_of(run)));
       const std::scoped_lock lock(mutex);
       progress.show(++done, all);
     } catch (...) {

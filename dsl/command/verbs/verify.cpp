@@ -12,12 +12,10 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/command/store/outputs.hpp>
-#include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/instance/path_fault.hpp>
-#include <trellis/report/stored_paths.hpp>
 
 namespace trellis::command {
 
@@ -43,7 +41,7 @@ Problem second_opinion(const Problem& problem) {
 }
 
 /// Returns why a run's path does not solve its problem; "" if it does.
-std::string fault_of(const StoredRunPath& run, const Problem& problem, double& clearance) {
+std::string fault_of(const RunFacts& run, const Problem& problem, double& clearance) {
   std::string fault = path_fault(problem, run.path, &clearance);
   if (fault.empty()) fault = checked_fault(second_opinion(problem), run.path);
   if (!fault.empty() || !problem.motion_model) return fault;
@@ -61,7 +59,6 @@ const Problem& problem_of(const std::vector<Problem>& problems, const std::strin
 }
 
 int verify(const Options& options) {
-  constexpr std::size_t largest = std::size_t{4} << 30U;
   dsl::SessionOptions session = session_options(options.scripts);
   session.seed = options.seed.value_or(session.seed);
   std::size_t verified = 0;
@@ -70,11 +67,14 @@ int verify(const Options& options) {
   double least = std::numeric_limits<double>::infinity();
   std::string text;
   for (const std::string& file : options.files) {
-    const StoredPaths stored = read_stored_paths(dsl::read_file(file, largest), file);
+    const ExperimentFacts stored = read_document(file);
     const std::string script = options.script.empty() ? stored.script : options.script;
     const std::vector<Problem> problems = dsl::load_script(script, session).experiment.problems;
-    unsolved += stored.unsolved;
-    for (const StoredRunPath& run : stored.paths) {
+    for (const RunFacts& run : stored.runs) {
+      if (!run.solved) {
+        ++unsolved;
+        continue;
+      }
       double clearance = 0.0;
       ++verified;
       const std::string fault = fault_of(run, problem_of(problems, run.problem, script), clearance);

@@ -12,6 +12,7 @@
 #include <dsl/language/tools/catalogue.hpp>
 #include <dsl/language/tools/words.hpp>
 #include <trellis/guide/guide.hpp>
+#include <trellis/report/quantities.hpp>
 #include <trellis/report/views/glossary.hpp>
 #include <trellis/report/views/table.hpp>
 #include <trellis/strategy/combinators.hpp>
@@ -165,6 +166,18 @@ std::string report_words(const std::string& name, std::size_t width) {
   return text.empty() ? "" : "in reports:\n" + text;
 }
 
+/// Returns the quantities of results with this name, or this name in a group; all of them for "quantities". "" for
+/// none.
+std::string quantity_words(const std::string& name, std::size_t width) {
+  std::string text;
+  for (const Quantity& quantity : quantities()) {
+    if (name != "quantities" && name != quantity.name() && name != quantity.key) continue;
+    const std::string symbol = *quantity.symbol == '\0' ? "" : fmt::format("{}, ", quantity.symbol);
+    text += row(quantity.name(), symbol + described(quantity), width);
+  }
+  return text.empty() ? "" : "in results (JSON, CSV):\n" + text;
+}
+
 /// Whether `part` is one of the parts of `text` that blanks, dots, underscores and the like separate.
 bool has_part(std::string_view text, std::string_view part) {
   const auto letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
@@ -267,13 +280,17 @@ std::string vocabulary_text(std::size_t width) {
         '\n' + lines(fmt::format("module {}: {}", module.name, module.summary), width) + contents(module.name, width);
   }
   text += "\nreport: the words of reports and their columns (help on 'report')\n";
+  text += "quantities: the numbers of results, in JSON and CSV (help on 'quantities')\n";
   return text;
 }
 
 std::string help_text(const std::string& name, std::size_t width) {
   if (name.empty()) return vocabulary_text(width);
-  std::vector<std::string> known = {"report"};
+  std::vector<std::string> known = {"report", "quantities"};
   std::string in_reports = report_words(name, width);
+  if (const std::string numbers = quantity_words(name, width); !numbers.empty()) {
+    in_reports += (in_reports.empty() ? "" : "\n") + numbers;
+  }
   for (const Word& word : words()) {
     if (word.name == name || fmt::format("{}.{}", word.kind_text(), word.name) == name) {
       std::string text = text_of(word, width);
@@ -296,6 +313,7 @@ std::string help_text(const std::string& name, std::size_t width) {
     if (!text.empty()) return text;
   }
   for (const ReportTerm& term : report_terms()) known.push_back(term.name);
+  for (const Quantity& quantity : quantities()) known.push_back(quantity.name());
   for (const Word& word : words()) {
     for (const Option& option : word.options) known.push_back(option.name);
     for (const Field& field : word.fields) known.push_back(field.name);

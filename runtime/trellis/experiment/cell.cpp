@@ -87,7 +87,9 @@ bool same(const Turn& x, const Turn& y) {
 
 RunResult run_cell(const std::string& name, const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                    const ExecuteOptions& options) {
-  return make_cell(name, problem.name, seed, execute(strategy, problem, seed, options));
+  RunResult run = make_cell(name, problem.name, seed, execute(strategy, problem, seed, options));
+  run.reasons = unsolved_reasons(run, strategy);
+  return run;
 }
 
 RunResult make_cell(const std::string& strategy, const std::string& problem, std::uint64_t seed, RunRecord run) {

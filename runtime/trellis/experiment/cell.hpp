@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <trellis/experiment/experiment.hpp>
 
@@ -15,6 +16,10 @@ RunResult run_cell(const std::string& name, const StrategySpec& strategy, const 
 
 /// The cell of a run that was executed.
 RunResult make_cell(const std::string& strategy, const std::string& problem, std::uint64_t seed, RunRecord run);
+
+/// Returns why a run found no path: the budget that the root's planner spent, the levels that reached their limit of
+/// re-solves, and those without a path. Empty where it found one.
+std::vector<std::string> unsolved_reasons(const RunResult& run, const StrategySpec& strategy);
 
 /// Releases the objects that only scoring uses: the checkers, scenes and guides of all levels.
 void release(RunResult& run);

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include <trellis/experiment/facts.hpp>
 #include <trellis/experiment/rejections.hpp>
 #include <trellis/experiment/search_metrics.hpp>
 #include <trellis/measure/censored_cost.hpp>
@@ -78,30 +79,6 @@ struct AblationLink {
   bool skipped = false;
 };
 
-/// Published results of an experiment, for comparison.
-struct Publication {
-  /// SE of the root's tree and expansion, nats; NaN: not given.
-  struct Entry {
-    std::string problem;
-    std::string strategy;
-    double tree = std::numeric_limits<double>::quiet_NaN();
-    double expansion = std::numeric_limits<double>::quiet_NaN();
-  };
-  /// A published claim to compare with the results: SE of a strategy is lower than that of others, or is not.
-  struct Claim {
-    enum class Role : std::uint8_t { tree, expansion };
-    std::string text;
-    std::string problem;
-    std::string strategy;
-    bool lower = true;
-    std::vector<std::string> than;  ///< strategies
-    std::vector<Role> roles;
-  };
-  std::string source;  ///< a citation
-  std::vector<Entry> entries;
-  std::vector<Claim> claims;
-};
-
 /// Problems that reports of costs list together.
 struct ProblemGroup {
   std::string name;
@@ -134,36 +111,12 @@ std::string baseline_of(const Experiment& experiment);
 /// \throws Error for an unknown name and for a strategy without a guide.
 void ablate(Experiment& experiment, const std::vector<std::string>& names);
 
-/// The scores of one level's samples, tree and expansion, relative to one path.
-struct Scores {
-  Efficiency tree;
-  Efficiency expansion;
-};
-
-struct LevelResult {
+struct LevelResult : LevelScores {
   LevelRecord record;
-  /// In the level's own space relative to the level's own path (the root's: the run's reported path). None without a
-  /// target of its own. A role without samples, and a target without any valid configuration, score NaN.
-  std::optional<Scores> own = {};
-  /// Lifted to the root space by the chain of h's, relative to the root's path. None when the root found no path.
-  std::optional<Scores> root = {};
-  /// The mean of the same over the paths of other seeds. In the level's own space: the same level's paths under the
-  /// same strategy; of a lower level if Measure::cross_levels. Lifted: the paths on which all strategies of the problem
-  /// are scored.
-  std::optional<Scores> own_cross = {};
-  std::optional<Scores> root_cross = {};
-  /// root_cross (or root, without other seeds) of a random subset of `equal_samples` samples: the number of the
-  /// strategy with the fewest, where numbers differ much. The root level only.
-  std::optional<Scores> equal = {};
-  /// The ends of the scale for the root's values on its own path, with as many samples as the root has, at most
-  /// `most_references`: the oracle, which samples T itself (S = C with a known solution), and uniform sampling of C.
-  /// The root level only, scored by the headline's estimators.
-  std::optional<Scores> oracle = {};
-  std::optional<Scores> uniform = {};
-  static constexpr std::size_t most_references = 1000;
-  std::optional<SearchMetrics> metrics = {};
   std::optional<Rejections> rejections = {};  ///< computed by the thread that planned; none: in summaries
 };
+
+struct ExperimentResult;
 
 /// One cell: a problem, a strategy, a seed.
 struct RunResult {
@@ -176,30 +129,16 @@ struct RunResult {
   /// Points of the root's target, with its distribution; none without a path, or where the target does not lie in the
   /// root's space.
   Configurations target = {};
+  std::vector<std::string> reasons = {};  ///< why it found no path (unsolved_reasons)
 };
 
-/// A level's samples of all seeds of a strategy pooled, lifted to the root, on the paths on which single runs are
-/// scored. On each path the pool omits the seed that found it, because a run is never scored on its own path there. The
-/// result differs from that of one run: a mixture of distributions with different supports covers more than each of
-/// them.
-struct PooledScores {
-  std::string problem;
-  std::string strategy;
-  std::string key = "0";    ///< of the level, LevelRecord::key
-  std::size_t seeds = 0;    ///< in the pool of a path
-  std::size_t targets = 0;  ///< paths; the scores are means over them
-  Scores scores;
-};
+/// Returns the plain data of a run.
+RunFacts facts_of(const RunResult& run);
 
-/// The costs of a strategy without one of its guides on a problem: runs that are not scored (Experiment::ablation).
-struct LeftOut {
-  std::string problem;
-  std::string strategy;  ///< the name of the complete strategy
-  std::string key;       ///< of the guide, Ablation::key
-  /// Validity checks until the first path, on the first seeds of the experiment; on fewer than `least_tested_seeds`:
-  /// none. A run that was cut off at `most_left_out_work` counts as unsolved.
-  std::vector<CensoredCost> costs;
-};
+/// Returns the runs of a strategy on a problem, in the order of the result; with an empty `problem`, on all problems.
+std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,
+                                          const std::string& strategy);
+
 /// A run without a guide ends after so many times the work of the run with it.
 inline constexpr double most_left_out_work = 20.0;
 
@@ -210,6 +149,13 @@ struct ExperimentResult {
   double planning_seconds = 0.0;       ///< wall clock of all runs
   double measuring_seconds = 0.0;      ///< wall clock of their scoring
 };
+
+/// Returns the object `experiment` of the document, on one line without its end.
+std::string experiment_line(const Experiment& experiment);
+
+/// Returns the plain data of an experiment and its runs. Where a strategy solves fewer than half of its runs on a
+/// problem, examines why. \param script  the path as given on the command line, "" for none
+ExperimentFacts facts_of(const Experiment& experiment, const ExperimentResult& result, const std::string& script = "");
 
 /// The scores that an experiment computes.
 enum class ScoreScope : std::uint8_t {

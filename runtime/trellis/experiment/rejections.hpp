@@ -6,17 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/experiment/facts.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace trellis {
-
-/// The obstacles that rejected the proposals of a level.
-struct Rejections {
-  std::size_t rejected = 0;  ///< proposals without a node because the motion to them is invalid
-  std::size_t examined = 0;  ///< of these, those with a located first invalid configuration
-  /// The contacts there ("obstacle 3 (box 4 0 6 4.75)"), with their numbers, the most frequent first.
-  std::vector<std::pair<std::string, std::size_t>> by;
-};
 
 /// Examines at most `most` rejected proposals, evenly spread over the search, along the straight motion from the node
 /// that each extended. A level with presumed validity has no rejections, nor has

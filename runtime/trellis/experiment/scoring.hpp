@@ -9,9 +9,6 @@
 
 namespace trellis {
 
-/// The overview reports more problems than these together, by their single runs.
-inline constexpr std::size_t most_single_problems = 6;
-
 /// Scores all runs of an experiment: on their own targets, on those of other seeds, and for the other options of the
 /// measure.
 /// \param progress     called after each run

@@ -20,16 +20,13 @@
 #include <trellis/figures/charts/costs_figures.hpp>
 #include <trellis/figures/charts/figures.hpp>
 #include <trellis/figures/html.hpp>
-#include <trellis/figures/html_content.hpp>
 #include <trellis/figures/html_parts.hpp>
 #include <trellis/figures/html_run.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
-#include <trellis/report/stored_summary.hpp>
 #include <trellis/report/summary.hpp>
-#include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -39,6 +36,22 @@
 namespace trellis {
 
 namespace {
+
+/// The end of one run, in words.
+struct HtmlOutcome {
+  std::string text;
+  bool solved = false;
+  std::size_t run = 0;  ///< index into the runs of the experiment
+};
+
+/// The ends of the runs of one problem and strategy, by seed.
+using HtmlOutcomes = std::map<std::uint64_t, HtmlOutcome>;
+
+struct HtmlContent {
+  const ExperimentSummary& summary;
+  std::vector<std::vector<HtmlOutcomes>> runs;  ///< by problem and strategy
+  CostData costs;                               ///< without ablations
+};
 
 using Json = nlohmann::ordered_json;
 
@@ -410,10 +423,10 @@ std::string script(const std::string& id, const std::string& json) {
 /// The runs that the page contains.
 struct HeldRuns {
   std::string scripts;
-  std::map<const RunResult*, std::size_t> ids;
-  std::size_t seeds = 0;       ///< the number of first seeds with all their runs
-  std::size_t incomplete = 0;  ///< runs of the first seed, if the page contains only some of them
-  std::size_t thinned = 0;     ///< runs with only a part of their samples
+  std::map<std::size_t, std::size_t> ids;  ///< of the runs, by their index
+  std::size_t seeds = 0;                   ///< the number of first seeds with all their runs
+  std::size_t incomplete = 0;              ///< runs of the first seed, if the page contains only some of them
+  std::size_t thinned = 0;                 ///< runs with only a part of their samples
 };
 
 /// A run in the format of the page.
@@ -470,7 +483,7 @@ HeldRuns held_within(const Experiment& experiment, const ExperimentResult& resul
     for (const std::size_t i : order) {
       if (!all && held.scripts.size() + packed[i].text.size() > most_bytes) break;
       const std::size_t id = held.ids.size();
-      held.ids.emplace(runs[i], id);
+      held.ids.emplace(static_cast<std::size_t>(runs[i] - result.runs.data()), id);
       held.scripts += script(fmt::format("run-{}", id), packed[i].text);
       if (packed[i].thinned) ++held.thinned;
     }
@@ -648,23 +661,24 @@ std::string data_scripts(const HtmlContent& content, Json problems, const HeldRu
   return script("data", script_json(data)) + held.scripts;
 }
 
-HtmlRunFacts facts_of(const RunResult& run) {
-  return {.solved = run.run.solved,
-          .length = run.run.length,
-          .status = std::string(to_string(run.run.status)),
-          .duration = run.run.trajectory.dt > 0.0 ? run.run.trajectory.duration() : 0.0,
-          .checks = run.run.validity_checks,
-          .seconds = run.run.seconds};
+/// "solved, path of 14.42 m · 433 validity checks · 0.4 ms".
+std::string outcome_text(const RunFacts& run) {
+  std::string text = run.solved ? fmt::format("solved, path of {} m", fixed(run.length, 2))
+                                : fmt::format("not solved: {}", to_string(run.status));
+  const double duration = run.trajectory.dt > 0.0 ? run.trajectory.duration() : 0.0;
+  if (duration > 0.0) text += fmt::format(", driven in {} s", fixed(duration, 1));
+  return text + fmt::format(" · {} validity checks · {} ms", run.validity_checks, milliseconds(run.seconds));
 }
 
-HtmlContent content_of(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary) {
-  HtmlContent content{summary, {}, cost_data(experiment, result, summary)};
-  for (const Problem& problem : experiment.problems) {
+HtmlContent content_of(const ExperimentFacts& experiment, const ExperimentSummary& summary) {
+  HtmlContent content{summary, {}, cost_data(experiment, summary)};
+  for (const ProblemFacts& problem : experiment.problems) {
     std::vector<HtmlOutcomes>& row = content.runs.emplace_back();
-    for (const auto& entry : experiment.strategies) {
+    for (const StrategyFacts& strategy : experiment.strategies) {
       HtmlOutcomes& outcomes = row.emplace_back();
-      for (const RunResult* run : select_runs(result, problem.name, entry.first)) {
-        outcomes.emplace(run->seed, HtmlOutcome{html_outcome(facts_of(*run)), run->run.solved, run});
+      for (const RunFacts* run : experiment.select(problem.name, strategy.name)) {
+        outcomes.emplace(run->seed, HtmlOutcome{outcome_text(*run), run->solved,
+                                                static_cast<std::size_t>(run - experiment.runs.data())});
       }
     }
   }
@@ -732,20 +746,13 @@ std::string page_of(const HtmlContent& content, const Tables& tables, const std:
 
 }  // namespace
 
-std::string html_outcome(const HtmlRunFacts& facts) {
-  std::string text = facts.solved ? fmt::format("solved, path of {} m", fixed(facts.length, 2))
-                                  : fmt::format("not solved: {}", facts.status);
-  if (facts.duration > 0.0) text += fmt::format(", driven in {} s", fixed(facts.duration, 1));
-  return text + fmt::format(" · {} validity checks · {} ms", facts.checks, milliseconds(facts.seconds));
-}
-
-std::string report_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-                        const HtmlOptions& options) {
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+                        const ExperimentSummary& summary, const HtmlOptions& options) {
   // A page opens within a second up to 5 MB. The runs get the rest of that size.
   constexpr std::size_t most_of_page = 5'000'000;
   constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
   const HtmlParts& parts = html_parts();
-  const HtmlContent content = content_of(experiment, result, summary);
+  const HtmlContent content = content_of(facts, summary);
   const Tables tables = tables_of(content);
   RobotTable robots;
   WorldTable worlds;
@@ -764,13 +771,9 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
                  data_scripts(content, std::move(problems), held, robots, worlds), in_space);
 }
 
-std::string stored_report_html(const std::string& document, const std::string& file) {
-  const ExperimentSummary summary = read_summary(document, file);
-  if (summary.problems.empty()) {
-    throw Error(
-        fmt::format("{}: its runs have no summary, as those of a sweep, so there is no page to make of them", file));
-  }
-  const HtmlContent content = stored_html_content(summary, document, file);
+std::string stored_report_html(const ExperimentFacts& facts, const ExperimentSummary& summary,
+                               const std::string& file) {
+  const HtmlContent content = content_of(facts, summary);
   Json problems = Json::array();
   for (const ProblemSummary& one : summary.problems) problems.push_back({{"name", one.problem}, {"bounds", nullptr}});
   const std::string note = fmt::format(
@@ -780,9 +783,9 @@ std::string stored_report_html(const std::string& document, const std::string& f
                  data_scripts(content, std::move(problems), {}, {}, {}));
 }
 
-void write_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-                const std::string& path, const HtmlOptions& options) {
-  write_file(path, report_html(experiment, result, summary, options));
+void write_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+                const ExperimentSummary& summary, const std::string& path, const HtmlOptions& options) {
+  write_file(path, report_html(experiment, result, facts, summary, options));
 }
 
 }  // namespace trellis

@@ -9,6 +9,9 @@
 
 namespace trellis {
 
+struct Experiment;
+struct ExperimentResult;
+
 struct HtmlOptions {
   /// Limit for the runs' samples, in a page of at most 5 MB. The page thins long searches. If the runs of all seeds
   /// exceed the limit, it contains those of the first seeds, and says so.
@@ -17,15 +20,14 @@ struct HtmlOptions {
 };
 
 /// Returns one self-contained HTML page: the results, and every run for replay and inspection (docs/formats.md). UTF-8.
-/// \param summary  of the experiment
-std::string report_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-                        const HtmlOptions& options = {});
-/// Returns the page of a document of `trellis run --json`: its tables and figures, without replays.
-/// \param file  the document's, for the page and for messages
-/// \throws Error that names the file, for another kind of document and for one without summaries, as of a sweep.
-std::string stored_report_html(const std::string& document, const std::string& file);
+/// \param facts, summary  of the experiment
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+                        const ExperimentSummary& summary, const HtmlOptions& options = {});
+/// Returns the page of a document: its tables and figures, without replays.
+/// \param file  the document's, for the page
+std::string stored_report_html(const ExperimentFacts& facts, const ExperimentSummary& summary, const std::string& file);
 /// \throws Error where it cannot write the file.
-void write_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-                const std::string& path, const HtmlOptions& options = {});
+void write_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+                const ExperimentSummary& summary, const std::string& path, const HtmlOptions& options = {});
 
 }  // namespace trellis

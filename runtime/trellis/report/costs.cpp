@@ -6,21 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/statistics.hpp>
 
 namespace trellis {
 
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -32,38 +28,22 @@ std::optional<std::size_t> index_of(const std::vector<T>& all, const std::string
   return static_cast<std::size_t>(found - all.begin());
 }
 
-std::string string_or_empty(const Json& object, const char* field) {
-  const auto found = object.find(field);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-/// Adds the nats of one summary, with the means over its runs.
-void add_nats(CostData& data, CostData::Nats nats, double uniform, double mass, double spread, double gain) {
-  nats.mass = uniform - mass;
-  nats.spread = -spread;
-  nats.above = gain;
-  const bool known = std::isfinite(nats.mass) && std::isfinite(nats.spread) && std::isfinite(nats.above);
-  if (known && nats.runs > 0) data.nats.push_back(nats);
-}
-
-/// Adds the nats in an entry of `summary` of a document; none where its runs are not scored.
-void add_nats(CostData& data, const Json& entry) {
-  const auto text = [&](const char* field) { return string_or_empty(entry, field); };
-  const auto problem = index_of(data.problems, text("problem"));
-  const auto strategy = index_of(data.strategies, text("strategy"));
-  if (!problem || !strategy) return;
+/// Adds the nats of the root's samples, with the means over the runs.
+void add_nats(CostData& data, std::size_t problem, std::size_t strategy, const LevelSummary& root) {
   for (const bool proposals : {false, true}) {
     for (const bool cross : {false, true}) {
-      const Json::json_pointer place = Json::json_pointer("/levels/0/measure") / "root" /
-                                       (proposals ? "expansion" : "tree") / (cross ? "cross" : "self");
-      if (!entry.contains(place)) continue;
-      const Json& figure = entry.at(place);
-      const auto mean = [&](const char* name) {
-        const Json::json_pointer value(std::string(name) + "/value");
-        return figure.contains(value) && figure.at(value).is_number() ? figure.at(value).get<double>() : nan;
-      };
-      add_nats(data, {*problem, *strategy, proposals, cross, figure.value("runs", std::size_t{0})}, mean("/D_uniform"),
-               mean("/D_eps_parts/mass"), mean("/D_eps_parts/spread"), mean("/gain"));
+      const FigurePair& pair = cross ? root.root_cross : root.root;
+      const Figure& figure = proposals ? pair.expansion : pair.tree;
+      const CostData::Nats nats{problem,
+                                strategy,
+                                proposals,
+                                cross,
+                                figure.scored,
+                                figure.uniform.value - figure.mass_part.value,
+                                -figure.spread_part.value,
+                                figure.gain.value};
+      const bool known = std::isfinite(nats.mass) && std::isfinite(nats.spread) && std::isfinite(nats.above);
+      if (known && nats.runs > 0) data.nats.push_back(nats);
     }
   }
 }
@@ -174,61 +154,37 @@ std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t
 
 }  // namespace
 
-void CostData::add(const std::string& document, const std::string& file) {
+void CostData::add(const ExperimentFacts& experiment, const ExperimentSummary& summary, const std::string& file) {
   const auto fail = [&](const std::string& why) { throw Error(fmt::format("{}: {}", file, why)); };
-  try {
-    const Json json = Json::parse(document);
-    const Json& experiment = json.at("experiment");
-    for (const Json& entry : experiment.at("problems")) {
-      const auto name = entry.at("name").get<std::string>();
-      if (index_of(problems, name)) continue;
-      problems.push_back({name, string_or_empty(entry, "group"), entry.value("tuned", false)});
+  for (const ProblemFacts& one : experiment.problems) {
+    if (!index_of(problems, one.name)) problems.push_back({one.name, one.group, one.tuned});
+  }
+  for (const StrategyFacts& one : experiment.strategies) {
+    const auto known = index_of(strategies, one.name);
+    if (known && !by_name && strategies[*known].text != one.text) {
+      fail(fmt::format("'{}' is {} here and {} in another file; --by-name compares strategies by their names alone",
+                       one.name, one.text, strategies[*known].text));
     }
-    std::set<std::string> ablations;
-    if (const auto links = experiment.find("ablations"); links != experiment.end()) {
-      for (const Json& link : *links) ablations.insert(link.at("strategy").get<std::string>());
+    if (!known) strategies.push_back({one.name, one.text, !one.ablation.empty(), one.spec});
+  }
+  if (baseline.empty()) baseline = experiment.given_baseline;
+  std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;
+  for (const Run& run : runs) added.emplace(run.problem, run.strategy, run.seed);
+  for (const RunFacts& run : experiment.runs) {
+    const auto problem = index_of(problems, run.problem);
+    const auto strategy = index_of(strategies, run.strategy);
+    if (!problem || !strategy) fail("a run is of a problem or a strategy that the experiment does not have");
+    if (!added.emplace(*problem, *strategy, run.seed).second) {
+      fail(fmt::format("seed {} of '{}' on '{}' is there twice", run.seed, run.strategy, run.problem));
     }
-    for (const Json& entry : experiment.at("strategies")) {
-      const auto name = entry.at("name").get<std::string>();
-      const auto text = entry.at("text").get<std::string>();
-      const auto known = index_of(strategies, name);
-      if (known && !by_name && strategies[*known].text != text) {
-        fail(fmt::format("'{}' is {} here and {} in another file; --by-name compares strategies by their names alone",
-                         name, text, strategies[*known].text));
-      }
-      if (known) continue;
-      const auto spec = entry.find("spec");
-      strategies.push_back({name, text, ablations.contains(name), spec != entry.end() ? spec->dump() : ""});
+    runs.push_back({*problem, *strategy, run.seed, run.solved, static_cast<double>(run.validity_checks),
+                    run.cpu_seconds, run.improvements, static_cast<double>(run.improvement_checks)});
+  }
+  for (const ProblemSummary& one : summary.problems) {
+    for (const StrategySummary& of : one.strategies) {
+      if (of.runs.levels.empty()) continue;
+      add_nats(*this, *index_of(problems, one.problem), *index_of(strategies, of.strategy), of.runs.levels.front());
     }
-    if (baseline.empty()) baseline = string_or_empty(experiment, "baseline");
-    std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;
-    for (const Run& run : runs) added.emplace(run.problem, run.strategy, run.seed);
-    for (const Json& entry : json.at("runs")) {
-      const auto problem = index_of(problems, entry.at("problem").get<std::string>());
-      const auto strategy = index_of(strategies, entry.at("strategy").get<std::string>());
-      if (!problem || !strategy) fail("a run is of a problem or a strategy that the experiment does not have");
-      const auto seed = entry.at("seed").get<std::uint64_t>();
-      if (!added.emplace(*problem, *strategy, seed).second) {
-        fail(fmt::format("seed {} of '{}' on '{}' is there twice", seed, strategies[*strategy].name,
-                         problems[*problem].name));
-      }
-      const auto seconds = entry.find("cpu_s");
-      runs.push_back({*problem, *strategy, seed, entry.at("solved").get<bool>(),
-                      entry.at("validity_checks").get<double>(),
-                      seconds != entry.end() && seconds->is_number() ? seconds->get<double>() : nan});
-      runs.back().improvement_checks = entry.value("improvement_checks", 0.0);
-      const auto improvements = entry.find("improvements");
-      if (improvements == entry.end()) continue;
-      for (const Json& one : *improvements) {
-        runs.back().improvements.push_back(
-            {one.at("checks").get<std::uint64_t>(), one.at("cpu_s").get<double>(), one.at("length").get<double>()});
-      }
-    }
-    if (const auto summary = json.find("summary"); summary != json.end()) {
-      for (const Json& entry : *summary) add_nats(*this, entry);
-    }
-  } catch (const Json::exception&) {
-    fail("this is no document that trellis run --json writes");
   }
 }
 
@@ -279,45 +235,11 @@ CostData CostData::on(std::size_t problem) const {
   return one;
 }
 
-CostData cost_data(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary) {
+CostData cost_data(const ExperimentFacts& experiment, const ExperimentSummary& summary) {
   CostData data;
-  data.baseline = baseline_of(experiment);
-  for (const Problem& problem : experiment.problems) {
-    const auto group = std::find_if(experiment.groups.begin(), experiment.groups.end(), [&](const ProblemGroup& g) {
-      return std::find(g.problems.begin(), g.problems.end(), problem.name) != g.problems.end();
-    });
-    const bool grouped = group != experiment.groups.end();
-    data.problems.push_back({problem.name, grouped ? group->name : "", grouped && group->tuned});
-  }
-  for (const auto& [name, spec] : experiment.strategies) {
-    const auto same = [&, &strategy = name](const AblationLink& link) { return link.strategy == strategy; };
-    if (std::none_of(experiment.ablations.begin(), experiment.ablations.end(), same)) {
-      data.strategies.push_back({name, spec.text(), false, spec.json()});
-    }
-  }
-  for (const RunResult& run : result.runs) {
-    const auto problem = index_of(data.problems, run.problem);
-    const auto strategy = index_of(data.strategies, run.strategy);
-    if (!problem || !strategy) continue;
-    data.runs.push_back({*problem, *strategy, run.seed, run.run.solved, static_cast<double>(run.run.validity_checks),
-                         run.cpu_seconds, run.run.improvements, static_cast<double>(run.run.improvement_checks)});
-  }
-  if (!experiment.measure) return data;
-  for (std::size_t p = 0; p < data.problems.size(); ++p) {
-    for (const StrategySummary& one : summary.problems[p].strategies) {
-      const auto strategy = index_of(data.strategies, one.strategy);
-      if (!strategy || one.runs.levels.empty()) continue;
-      const std::size_t s = *strategy;
-      const LevelSummary& root = one.runs.levels.front();
-      for (const bool cross : {false, true}) {
-        const FigurePair& pair = cross ? root.root_cross : root.root;
-        for (const Figure* figure : {&pair.tree, &pair.expansion}) {
-          add_nats(data, {p, s, figure == &pair.expansion, cross, figure->scored}, figure->uniform.value,
-                   figure->mass_part.value, figure->spread_part.value, figure->gain.value);
-        }
-      }
-    }
-  }
+  data.add(experiment, summary, experiment.script);
+  data = data.without_ablations();
+  data.baseline = experiment.baseline();
   return data;
 }
 

@@ -8,9 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/experiment_summary.hpp>
-#include <trellis/strategy/run_facts.hpp>
 
 /// Compares the costs of strategies: validity checks of all levels until the first path, and CPU time, paired by seed,
 /// from the documents of `trellis run --json`.
@@ -59,9 +57,11 @@ struct CostData {
   bool by_name = false;
   std::vector<Nats> nats = {};  ///< of the scored ones; several of a problem and a strategy that several documents have
 
-  /// Adds the runs of a document. Strategies of one name must be equal unless `by_name` is set.
-  /// \throws Error that names the file, for another kind of document and for a run that was added before.
-  void add(const std::string& document, const std::string& file);
+  /// Adds the runs of an experiment. Strategies of one name must be equal unless `by_name` is set.
+  /// \param summary  of the experiment
+  /// \param file     its document, for messages
+  /// \throws Error that names the file, for a run that was added before.
+  void add(const ExperimentFacts& experiment, const ExperimentSummary& summary, const std::string& file);
   /// Returns the baseline, by default the first strategy without a guide, else the first; "" for a single strategy.
   [[nodiscard]] std::string reference() const;
   /// Returns the runs of the strategies that are no ablations.
@@ -71,7 +71,7 @@ struct CostData {
 };
 
 /// Returns the costs of an experiment's runs, without ablations.
-CostData cost_data(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary);
+CostData cost_data(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 
 /// A cost on the axis of a figure.
 enum class CostKind : std::uint8_t { checks, seconds };

@@ -31,15 +31,9 @@ struct ProblemSummary {
   std::string obstruction;
 };
 
-/// All that reports state of an experiment: computed once from its runs, or read from a document of results.
+/// All that reports state of an experiment: computed once from its runs, which may be those of a document.
 struct ExperimentSummary {
-  struct Strategy {
-    std::string name;
-    std::string text;      ///< in the syntax of a script
-    std::string shares;    ///< "uniform share of proposals 0.05 at each guided level"
-    std::string ablation;  ///< "without shrink(0.5)"; "" for a strategy of the script
-    bool guided = false;
-  };
+  using Strategy = StrategyFacts;
   std::string script;   ///< the path as given on the command line, "" for none
   std::string version;  ///< of the program that ran it
   std::vector<Strategy> strategies;
@@ -61,10 +55,12 @@ struct ExperimentSummary {
   [[nodiscard]] std::vector<const ProblemSummary*> listed() const;
 };
 
-/// Summarises the runs of an experiment. Repeats some collision checks of rejected proposals, at most 200 of a level
-/// and run. \param script  the path as given on the command line, "" for none
-ExperimentSummary summarise(const Experiment& experiment, const ExperimentResult& result,
-                            const std::string& script = "");
+/// Summarises the runs of an experiment, or of a document.
+ExperimentSummary summarise(const ExperimentFacts& experiment);
+
+/// Returns why runs of a strategy found no path, a clause for each reason with the number of runs: "2 unsolved: 50000
+/// proposals spent at level 0; shrink(0.8) reached its limit of 10 re-solves". "" where all were solved.
+std::string unsolved_text(const std::vector<const RunFacts*>& runs);
 
 /// Whether fewer than half of the runs found a path, or the only one did not.
 bool mostly_unsolved(const RunsSummary& summary);
@@ -76,7 +72,6 @@ std::vector<Verdict> verdicts_on(const StrategySummary& strategy, std::size_t le
 /// Returns a sentence, with its evidence, for each strategy whose guide performs worse than no guide: it solves fewer
 /// runs or costs more validity checks than an unguided baseline, or its root's nodes are less efficient than uniform
 /// samples, beyond the interval in each case. Omits strategies with too few runs for an interval.
-std::vector<std::string> guide_warnings(const std::vector<ExperimentSummary::Strategy>& strategies,
-                                        const ProblemSummary& problem);
+std::vector<std::string> guide_warnings(const std::vector<StrategyFacts>& strategies, const ProblemSummary& problem);
 
 }  // namespace trellis

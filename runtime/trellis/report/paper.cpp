@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/facts.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
@@ -28,7 +28,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* headline = "headline";
 
 using Role = Efficiency Scores::*;
-using Where = std::optional<Scores> LevelResult::*;
+using Where = std::optional<Scores> LevelScores::*;
 
 struct NamedRole {
   const char* name;
@@ -48,24 +48,21 @@ struct NamedPath {
 /// The paths on which single runs are scored.
 const std::vector<NamedPath>& paths() {
   static const std::vector<NamedPath> all = {
-      {"own", "own path", &LevelResult::root, &LevelSummary::root},
-      {"cross", "other seeds' paths", &LevelResult::root_cross, &LevelSummary::root_cross}};
+      {"own", "own path", &LevelScores::root, &LevelSummary::root},
+      {"cross", "other seeds' paths", &LevelScores::root_cross, &LevelSummary::root_cross}};
   return all;
 }
 constexpr NamedPath together = {"pooled", "all seeds together", nullptr, nullptr};
 
 /// Returns the estimators with results: the headline's, then the other requested ones.
-std::vector<std::string> estimators_of(const Experiment& experiment) {
+std::vector<std::string> estimators_of(const ExperimentFacts& experiment) {
   std::vector<std::string> names = {headline};
-  if (!experiment.measure) return names;
-  for (const EstimatorSpec& spec : experiment.measure->estimators) names.push_back(spec.text());
+  names.insert(names.end(), experiment.estimators.begin(), experiment.estimators.end());
   return names;
 }
 
-const Efficiency* efficiency_of(const RunResult& run, Where where, Role role) {
-  if (run.levels.empty()) return nullptr;
-  const std::optional<Scores>& scores = run.levels.front().*where;
-  return scores ? &((*scores).*role) : nullptr;
+const Efficiency* efficiency_of(const RunFacts& run, Where where, Role role) {
+  return run.levels.empty() ? nullptr : run.levels.front().score(where, role);
 }
 
 /// Returns the headline value of an estimator: SE; for the plain grid, which is not regularised, D. NaN where it has
@@ -82,10 +79,10 @@ double value_by(const Efficiency& efficiency, const std::string& estimator) {
 
 /// Returns one value per run, NaN where a run has none.
 template <class Value>
-std::vector<double> per_run(const std::vector<const RunResult*>& runs, Where where, Role role, Value value) {
+std::vector<double> per_run(const std::vector<const RunFacts*>& runs, Where where, Role role, Value value) {
   std::vector<double> values;
   values.reserve(runs.size());
-  for (const RunResult* run : runs) {
+  for (const RunFacts* run : runs) {
     const Efficiency* e = efficiency_of(*run, where, role);
     values.push_back(e != nullptr ? value(*e) : nan);
   }
@@ -214,8 +211,8 @@ class Markdown {
 
 class Tables {
  public:
-  Tables(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary)
-      : experiment_(experiment), result_(result), estimators_(estimators_of(experiment)) {
+  Tables(const ExperimentFacts& experiment, const ExperimentSummary& summary)
+      : experiment_(experiment), estimators_(estimators_of(experiment)) {
     for (const ProblemSummary& problem : summary.problems) {
       for (const StrategySummary& one : problem.strategies) {
         summaries_.emplace(std::pair(problem.problem, one.strategy), &one.runs);
@@ -239,8 +236,8 @@ class Tables {
       published_ranks();
       claims();
     }
-    if (experiment_.measure) sample_ranks();
-    for (const Problem& problem : experiment_.problems) others(problem);
+    if (experiment_.measured) sample_ranks();
+    for (const ProblemFacts& problem : experiment_.problems) others(problem);
     for (std::size_t i = 1; i < estimators_.size(); ++i) {
       for (const NamedPath& path : paths_) layout(path, estimators_[i]);
     }
@@ -255,10 +252,11 @@ class Tables {
           fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem), csv_text(strategy), csv_text(role), path,
                       csv_text(estimator), quantity, number(x.value), number(x.lo), number(x.hi), x.n, x.infinite);
     };
-    const std::vector<GuideVerdict> verdicts = guide_verdicts(experiment_, result_, false);
-    for (const Problem& problem : experiment_.problems) {
-      for (const auto& [name, spec] : experiment_.strategies) {
-        const auto chosen = select_runs(result_, problem.name, name);
+    const std::vector<GuideVerdict> verdicts = guide_verdicts(experiment_, false);
+    for (const ProblemFacts& problem : experiment_.problems) {
+      for (const StrategyFacts& strategy : experiment_.strategies) {
+        const std::string& name = strategy.name;
+        const auto chosen = experiment_.select(problem.name, name);
         const RunsSummary& summary = summary_of(problem.name, name);
         add(problem.name, name, "", "", "", "success", summary.success);
         add(problem.name, name, "", "", "", "length", summary.length);
@@ -270,7 +268,7 @@ class Tables {
         for (const NamedRole& role : roles()) {
           for (const NamedPath& path : paths_) {
             for (const std::string& estimator : estimators_) {
-              add(problem.name, name, role.name, path.name, estimator, "SE",
+              add(problem.name, name, role.name, path.name, estimator, "D_eps",
                   estimator == headline ? supported(problem.name, name, path, role)
                                         : shown_figure(problem.name, name, path, role, estimator).interval);
             }
@@ -306,10 +304,10 @@ class Tables {
         {"D_perfect", "perfect", [](const Efficiency& e) { return e.perfect; }},
         {"D", "D", [](const Efficiency& e) { return e.unregularised; },
          [](const Efficiency& e) { return e.mass_lower95; }},
-        {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
-        {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
+        {"D_eps_parts.mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
+        {"D_eps_parts.spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
         {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
-        {"along", "along", [](const Efficiency& e) { return e.along.divergence; }, zero},
+        {"along.D", "along", [](const Efficiency& e) { return e.along.divergence; }, zero},
         {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }},
         {"uniform_coverage", "uniform coverage", [](const Efficiency& e) { return e.uniform_coverage; }},
         {"JS", "JS", [](const Efficiency& e) { return e.js; }, zero}};
@@ -391,7 +389,7 @@ class Tables {
       const Efficiency* e = pooled(problem, strategy, role);
       return {e != nullptr ? value_by(*e, estimator) : nan, nan, nan, scored(problem, strategy, path, role), 0};
     }
-    return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
+    return student_interval(per_run(experiment_.select(problem, strategy), path.where, role.role,
                                     [&](const Efficiency& e) { return value_by(e, estimator); }));
   }
 
@@ -402,13 +400,13 @@ class Tables {
       const Efficiency* e = pooled(problem, strategy, role);
       return bounded(figure(problem, strategy, path, role, estimator), e != nullptr ? least_by(*e, estimator) : nan);
     }
-    const auto least =
-        per_run(select_runs(result_, problem, strategy), path.where, role.role,
-                [&](const Efficiency& e) { return std::isnan(value_by(e, estimator)) ? nan : least_by(e, estimator); });
+    const auto least = per_run(experiment_.select(problem, strategy), path.where, role.role, [&](const Efficiency& e) {
+      return std::isnan(value_by(e, estimator)) ? nan : least_by(e, estimator);
+    });
     return bounded(figure(problem, strategy, path, role, estimator), student_interval(least).value);
   }
 
-  static Bounded shown_quantity(const std::vector<const RunResult*>& runs, Where where, Role role,
+  static Bounded shown_quantity(const std::vector<const RunFacts*>& runs, Where where, Role role,
                                 const Quantity& quantity) {
     const auto over_runs = [&](double (*field)(const Efficiency&)) {
       return student_interval(per_run(runs, where, role, [field](const Efficiency& e) { return field(e); }));
@@ -429,9 +427,10 @@ class Tables {
         "because the mean of the estimates lies beyond what the mass in the target allows.",
         experiment_.problems.size(), experiment_.problems.size() == 1 ? "" : "s", experiment_.strategies.size(),
         experiment_.strategies.size() == 1 ? "y" : "ies", experiment_.seeds.size()));
-    for (const Problem& problem : experiment_.problems) {
+    for (const ProblemFacts& problem : experiment_.problems) {
       std::vector<std::string> none;
-      for (const auto& [name, spec] : experiment_.strategies) {
+      for (const StrategyFacts& strategy : experiment_.strategies) {
+        const std::string& name = strategy.name;
         if (summary_of(problem.name, name).solved == 0) none.push_back(escaped(name));
       }
       if (none.empty()) continue;
@@ -445,7 +444,7 @@ class Tables {
 
   [[nodiscard]] std::vector<std::string> problem_header(const std::string& first) const {
     std::vector<std::string> cells = {first};
-    for (const Problem& problem : experiment_.problems) cells.push_back(escaped(problem.name));
+    for (const ProblemFacts& problem : experiment_.problems) cells.push_back(escaped(problem.name));
     return cells;
   }
 
@@ -460,10 +459,11 @@ class Tables {
           "were made so.");
     }
     page_.header(problem_header("strategy"));
-    for (const auto& [name, spec] : experiment_.strategies) {
+    for (const StrategyFacts& strategy : experiment_.strategies) {
+      const std::string& name = strategy.name;
       std::vector<std::string> cells = {escaped(name)};
-      for (const Problem& problem : experiment_.problems) {
-        const auto of = [&, &name = name](const NamedRole& role) {
+      for (const ProblemFacts& problem : experiment_.problems) {
+        const auto of = [&](const NamedRole& role) {
           return estimator == headline ? supported_cell(problem.name, name, path, role)
                                        : cell(shown_figure(problem.name, name, path, role, estimator));
         };
@@ -479,8 +479,9 @@ class Tables {
     constexpr double visible = 0.05;  // nats: targets differ
     page_.heading("Where all seeds together and single runs disagree");
     std::vector<std::vector<std::string>> rows;
-    for (const Problem& problem : experiment_.problems) {
-      for (const auto& [name, spec] : experiment_.strategies) {
+    for (const ProblemFacts& problem : experiment_.problems) {
+      for (const StrategyFacts& strategy : experiment_.strategies) {
+        const std::string& name = strategy.name;
         for (const NamedRole& role : roles()) {
           const RunsSummary& summary = summary_of(problem.name, name);
           if (summary.levels.empty()) continue;
@@ -509,7 +510,7 @@ class Tables {
     page_.text() += '\n';
   }
 
-  void others(const Problem& problem) {
+  void others(const ProblemFacts& problem) {
     page_.heading(fmt::format("Other measures, {}", escaped(problem.name)));
     page_.paragraph(
         "On other seeds' paths (own path where there are none); upper value tree, lower value expansion. Solved: with "
@@ -518,11 +519,12 @@ class Tables {
     std::vector<std::string> header = {"strategy", "solved", "validity checks", "time, ms"};
     for (const Quantity& quantity : quantities()) header.emplace_back(quantity.title);
     page_.header(header);
-    for (const auto& [name, spec] : experiment_.strategies) {
-      const auto chosen = select_runs(result_, problem.name, name);
+    for (const StrategyFacts& strategy : experiment_.strategies) {
+      const std::string& name = strategy.name;
+      const auto chosen = experiment_.select(problem.name, name);
       const RunsSummary& summary = summary_of(problem.name, name);
-      const bool crossed = std::any_of(chosen.begin(), chosen.end(), [](const RunResult* run) {
-        return !run->levels.empty() && run->levels.front().root_cross;
+      const bool crossed = std::any_of(chosen.begin(), chosen.end(), [](const RunFacts* run) {
+        return !run->levels.empty() && run->levels.front().scores && run->levels.front().scores->root_cross;
       });
       const bool none = summary.runs == 0;
       std::vector<std::string> cells = {
@@ -559,9 +561,9 @@ class Tables {
   void beside_published() {
     page_.heading("Beside the published figures");
     page_.paragraph(fmt::format("Published: {}.", escaped(experiment_.published->source)));
-    for (const Problem& problem : experiment_.problems) {
+    for (const ProblemFacts& problem : experiment_.problems) {
       if (std::none_of(experiment_.strategies.begin(), experiment_.strategies.end(),
-                       [&](const auto& s) { return entry(problem.name, s.first) != nullptr; })) {
+                       [&](const auto& s) { return entry(problem.name, s.name) != nullptr; })) {
         continue;
       }
       std::vector<std::string> header = {escaped(problem.name), "samples", "published"};
@@ -573,7 +575,8 @@ class Tables {
         }
       }
       page_.header(header);
-      for (const auto& [name, spec] : experiment_.strategies) {
+      for (const StrategyFacts& strategy : experiment_.strategies) {
+        const std::string& name = strategy.name;
         const Publication::Entry* e = entry(problem.name, name);
         if (e == nullptr) continue;
         for (const NamedRole& role : roles()) {
@@ -599,16 +602,17 @@ class Tables {
   void ranks(const std::string& title, const std::string& text, Other other) {
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> header = {"estimator", "path", "samples"};
-    for (const Problem& problem : experiment_.problems) header.push_back(escaped(problem.name));
+    for (const ProblemFacts& problem : experiment_.problems) header.push_back(escaped(problem.name));
     for (const std::string& estimator : estimators_) {
       for (const NamedPath& path : paths_) {
         for (const NamedRole& role : roles()) {
           std::vector<std::string> cells = {escaped(estimator), path.title, role.name};
           bool any = false;
-          for (const Problem& problem : experiment_.problems) {
+          for (const ProblemFacts& problem : experiment_.problems) {
             std::vector<double> theirs;
             std::vector<double> ours;
-            for (const auto& [name, spec] : experiment_.strategies) {
+            for (const StrategyFacts& strategy : experiment_.strategies) {
+              const std::string& name = strategy.name;
               const double mine = compared(problem.name, name, path, role, estimator);
               const double that = other(problem.name, name, path, role);
               if (std::isnan(mine) || std::isnan(that)) continue;
@@ -648,7 +652,7 @@ class Tables {
         "lie, not how many there are: near -1 a figure says little more than the sample count.",
         [&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
           const Where where = path.where != nullptr ? path.where : paths().back().where;
-          return student_interval(per_run(select_runs(result_, problem, strategy), where, role.role,
+          return student_interval(per_run(experiment_.select(problem, strategy), where, role.role,
                                           [](const Efficiency& e) { return static_cast<double>(e.samples); }))
               .value;
         });
@@ -716,7 +720,7 @@ class Tables {
               continue;
             }
             const auto values = [&](const std::string& strategy) {
-              return per_run(select_runs(result_, claim.problem, strategy), path.where, c.role.role,
+              return per_run(experiment_.select(claim.problem, strategy), path.where, c.role.role,
                              [&](const Efficiency& e) { return value_by(e, estimator); });
             };
             cells.push_back(verdict(paired(values(c.other), values(claim.strategy)).difference, claim.lower));
@@ -739,8 +743,7 @@ class Tables {
     return fmt::format("{}: {:+.2f}", (difference < 0.0) == claim.lower ? "yes" : "**no**", difference);
   }
 
-  const Experiment& experiment_;
-  const ExperimentResult& result_;
+  const ExperimentFacts& experiment_;
   std::vector<std::string> estimators_;
   std::map<std::pair<std::string, std::string>, const RunsSummary*> summaries_;  // by problem and strategy
   std::vector<NamedPath> paths_;                                                 // those that the tables have
@@ -749,13 +752,12 @@ class Tables {
 
 }  // namespace
 
-std::string report_markdown(const Experiment& experiment, const ExperimentResult& result,
-                            const ExperimentSummary& summary) {
-  return Tables(experiment, result, summary).markdown();
+std::string report_markdown(const ExperimentFacts& experiment, const ExperimentSummary& summary) {
+  return Tables(experiment, summary).markdown();
 }
 
-std::string report_csv(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary) {
-  return Tables(experiment, result, summary).csv();
+std::string report_csv(const ExperimentFacts& experiment, const ExperimentSummary& summary) {
+  return Tables(experiment, summary).csv();
 }
 
 }  // namespace trellis

@@ -1,21 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Documents of results and files of records, written and read run by run.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
-#include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/facts.hpp>
 
-/// The parts of the JSON document of `trellis run --json`, for programs that store runs one by one.
 namespace trellis {
 
-/// Returns the entry of `runs` for one run, on one line without its end.
-std::string run_line(const RunResult& run);
+struct RunResult;
 
-/// Returns the field `experiment`, on one line without its end.
-std::string experiment_line(const Experiment& experiment);
+/// Returns the entry of `runs` for one run, on one line without its end.
+std::string run_line(const RunFacts& run);
+/// Reads what run_line() returns. \throws Error for another text
+RunFacts read_run(const std::string& line);
+
+/// Returns the measured set of samples relative to one target, on one line.
+std::string measured_set(const Efficiency& efficiency);
+/// Returns what one estimator finds of them. \param of  the set, which bounds it
+std::string estimate_line(const Estimate& estimate, const Efficiency& of);
+
+/// Reads a document of `trellis run --json`, `sweep` or `merge`.
+/// \param file  for messages
+/// \throws Error that names the file, for another kind of document
+ExperimentFacts read_results(const std::string& document, const std::string& file);
+/// \throws Error where the document has another format, whose reports would differ
+void require_format(const ExperimentFacts& facts, const std::string& file);
 
 /// The parts of a document of stored runs: its beginning, each run, its end. `summary`, `comparisons` and `warnings`
-/// are empty. \param script      the path as given on the command line \param experiment  a result of experiment_line()
+/// are empty.
+/// \param script      the path as given on the command line
+/// \param experiment  a result of experiment_line()
 std::string runs_document_begin(const std::string& script, const std::string& experiment);
 /// \param line   a result of run_line()
 /// \param first  whether it is the first run
@@ -28,6 +46,26 @@ std::string runs_csv_header();
 /// \param line  a result of run_line()
 std::string runs_csv_row(const std::string& line);
 /// Returns the whole table.
-std::string runs_csv(const ExperimentResult& result);
+std::string runs_csv(const ExperimentFacts& experiment);
+
+// For programs that continue an interrupted experiment.
+
+/// Returns the scores of a run as in its entry of `runs`, with the points of the target, on one line without its end.
+std::string scores_line(const RunResult& run);
+/// Sets what scores_line() stored. \throws Error for another text, and for a run with other levels.
+void restore_scores(RunResult& run, const std::string& line);
+
+std::string pooled_line(const std::string& problem, const std::vector<PooledScores>& pooled);
+/// Appends what pooled_line() stored. \throws Error for another text.
+void restore_pooled(std::vector<PooledScores>& pooled, const std::string& line);
+
+/// Sets all times of a run to those of its run_line(). \throws Error for another text, and for a run with other levels.
+void restore_times(RunResult& run, const std::string& line);
+
+/// Returns a run_line() without times, which differ from run to run.
+std::string without_times(const std::string& line);
+
+/// Whether two results of run_line() are equal but for the scores, which one of them may lack.
+bool equal_but_for_scores(const std::string& a, const std::string& b);
 
 }  // namespace trellis

@@ -9,6 +9,8 @@
 
 namespace trellis {
 
+struct ExperimentResult;
+
 /// The content of the printed report.
 enum class ReportKind : std::uint8_t {
   overview,    ///< solved runs, costs relative to the baseline, the verdict on each level, and the next step
@@ -32,19 +34,18 @@ std::string summary_text(const ExperimentSummary& experiment, int width = 160);
 
 /// Returns the JSON document that docs/formats.md describes. A missing value is null.
 /// \param summary  of the experiment
-std::string report_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary);
+std::string report_json(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 
 /// Returns the root's sampling efficiency in the layout of papers, in Markdown: strategies below each other, problems
 /// side by side, the tree above the expansion. It contains every estimator, on own and other seeds' paths, and the
 /// other measures. With published values it lists both, with rank correlations, and states whether the results confirm
 /// the published claims.
 /// \param summary  of the experiment
-std::string report_markdown(const Experiment& experiment, const ExperimentResult& result,
-                            const ExperimentSummary& summary);
+std::string report_markdown(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 
 /// Returns the same values as comma-separated values, one per line: problem, strategy, role, path, estimator, quantity,
 /// value, lo, hi, n, infinite.
-std::string report_csv(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary);
+std::string report_csv(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 
 /// Writes DIR/<problem>/<strategy>/seed-<seed>/samples.csv and path.csv for every run. Writes each file atomically (a
 /// temporary file, then a rename).

@@ -9,12 +9,11 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <optional>
 
-#include <trellis/experiment/experiment.hpp>
-#include <trellis/experiment/rejections.hpp>
 #include <trellis/planner/planner.hpp>
-#include <trellis/report/measures.hpp>
+#include <trellis/report/quantities.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/words.hpp>
 
@@ -24,23 +23,17 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-using LevelResults = std::vector<const LevelResult*>;
+using Levels = std::vector<const LevelFacts*>;
 
 template <class F>
-double median_of(const LevelResults& levels, F f) {
+double median_of(const Levels& levels, F f) {
   std::vector<double> values;
-  for (const auto* level : levels) values.push_back(f(level->record));
+  for (const auto* level : levels) values.push_back(f(*level));
   return median(values);
 }
 
-using Where = std::optional<Scores> LevelResult::*;
+using Where = std::optional<Scores> LevelScores::*;
 using Role = Efficiency Scores::*;
-
-/// Returns a level's score of a role; nullptr where it was not scored.
-const Efficiency* find(const LevelResult& level, Where where, Role role) {
-  const std::optional<Scores>& scores = level.*where;
-  return scores ? &((*scores).*role) : nullptr;
-}
 
 /// Distributes shares in bins over `count` bins of the same total extent.
 std::vector<double> spread(const std::vector<double>& shares, std::size_t count) {
@@ -152,10 +145,10 @@ void add_check(const std::vector<const Efficiency*>& figures, Figure& result) {
   result.check_difference = paired(headline, beside);
 }
 
-Figure figure(const LevelResults& levels, Where where, Role role) {
+Figure figure(const Levels& levels, Where where, Role role) {
   std::vector<const Efficiency*> all;
   for (const auto* level : levels) {
-    if (const Efficiency* e = find(*level, where, role)) all.push_back(e);
+    if (const Efficiency* e = level->score(where, role)) all.push_back(e);
   }
   Figure result;
   const auto figures = collect(all, result);
@@ -175,11 +168,11 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   return result;
 }
 
-MetricsSummary metrics(const LevelResults& levels) {
+MetricsSummary metrics(const Levels& levels) {
   MetricsSummary result;
   std::vector<const SearchMetrics*> measured;
   for (const auto* level : levels) {
-    if (level->metrics) measured.push_back(&*level->metrics);
+    if (level->scores && level->scores->metrics) measured.push_back(&*level->scores->metrics);
   }
   result.measured = measured.size();
   const auto over_runs = [&](auto field) {
@@ -191,7 +184,8 @@ MetricsSummary metrics(const LevelResults& levels) {
   using M = const SearchMetrics&;
   for (std::size_t c = 0; c < result.classes.size(); ++c) {
     result.classes[c] = over_runs([&](M m) {
-      return m.classes.empty() ? nan : static_cast<double>(m.nodes[c]) / static_cast<double>(m.classes.size());
+      const std::size_t all = std::accumulate(m.nodes.begin(), m.nodes.end(), std::size_t{0});
+      return all == 0 ? nan : static_cast<double>(m.nodes[c]) / static_cast<double>(all);
     });
   }
   result.components = over_runs([](M m) { return static_cast<double>(m.components); });
@@ -266,18 +260,17 @@ double median_spent(const std::vector<CensoredCost>& costs) {
 }
 
 /// Computes each level's share of the costs of all levels of all runs.
-void add_shares(std::span<const RunResult* const> runs, std::vector<LevelSummary>& levels) {
+void add_shares(std::span<const RunFacts* const> runs, std::vector<LevelSummary>& levels) {
   std::map<std::string, std::pair<double, double>> spent;
   double checks = 0.0;
   double seconds = 0.0;
-  for (const RunResult* run : runs) {
-    for (const LevelResult& level : run->levels) {
-      const Search& search = level.record.search;
-      auto& [of_checks, of_seconds] = spent[level.record.key];
-      of_checks += static_cast<double>(search.checks.validity);
-      of_seconds += search.seconds;
-      checks += static_cast<double>(search.checks.validity);
-      seconds += search.seconds;
+  for (const RunFacts* run : runs) {
+    for (const LevelFacts& level : run->levels) {
+      auto& [of_checks, of_seconds] = spent[level.key];
+      of_checks += static_cast<double>(level.validity_checks);
+      of_seconds += level.seconds;
+      checks += static_cast<double>(level.validity_checks);
+      seconds += level.seconds;
     }
   }
   for (LevelSummary& level : levels) {
@@ -286,57 +279,56 @@ void add_shares(std::span<const RunResult* const> runs, std::vector<LevelSummary
   }
 }
 
-FigurePair figures(const LevelResults& levels, Where where) {
+FigurePair figures(const Levels& levels, Where where) {
   return {figure(levels, where, &Scores::tree), figure(levels, where, &Scores::expansion)};
 }
 
-LevelSummary summarise_level(const LevelResults& levels) {
-  const LevelRecord& first = levels.front()->record;
+LevelSummary summarise_level(const Levels& levels) {
+  const LevelFacts& first = *levels.front();
   LevelSummary result;
   result.key = first.key;
   result.name = first.name;
-  result.space = first.space.name();
-  result.dimension = first.space.degrees();
+  result.space = first.space;
+  result.dimension = first.degrees;
   result.planner = first.planner;
   result.runs = levels.size();
   for (const auto* level : levels) {
-    const LevelRecord& record = level->record;
-    if (record.solution.solved()) ++result.solved;
+    const LevelFacts& record = *level;
+    if (record.status == Status::solved) ++result.solved;
     for (const ResolveReason& reason : resolve_reasons) {
       result.resolved_for.total.*reason.count += record.resolves.*reason.count;
     }
     if (record.resolves.exhausted) ++result.resolved_for.exhausted;
     if (record.resolves.limit_reached) ++result.resolved_for.limited;
-    if (record.space.name() != result.space || record.space.degrees() != result.dimension) result.space.clear();
+    if (record.space != result.space || record.degrees != result.dimension) result.space.clear();
   }
-  using R = const LevelRecord&;
+  using R = const LevelFacts&;
   const auto count = [](auto n) { return static_cast<double>(n); };
   result.resolves = median_of(levels, [&](R r) { return r.solves > 0 ? count(r.solves - 1) : nan; });
-  result.proposals = median_of(levels, [&](R r) { return count(r.search.proposals.size()); });
-  result.nodes = median_of(levels, [&](R r) { return count(r.search.nodes.size()); });
-  result.validity_checks = median_of(levels, [&](R r) { return count(r.search.checks.validity); });
-  result.motion_checks = median_of(levels, [&](R r) { return count(r.search.checks.motion); });
-  result.seconds = median_of(levels, [&](R r) { return r.search.seconds; });
-  LevelResults guided;
+  result.proposals = median_of(levels, [&](R r) { return count(r.proposals); });
+  result.nodes = median_of(levels, [&](R r) { return count(r.nodes); });
+  result.validity_checks = median_of(levels, [&](R r) { return count(r.validity_checks); });
+  result.motion_checks = median_of(levels, [&](R r) { return count(r.motion_checks); });
+  result.seconds = median_of(levels, [&](R r) { return r.seconds; });
+  Levels guided;
   std::copy_if(levels.begin(), levels.end(), std::back_inserter(guided),
-               [](const LevelResult* level) { return level->record.guided; });
+               [](const LevelFacts* level) { return level->guided; });
   result.guided = !guided.empty();
   if (result.guided) {
     result.by_guided = {median_of(guided, [&](R r) { return count(r.guided_checks); }),
                         median_of(guided, [&](R r) { return count(r.guided_proposals); })};
-    result.by_unguided = {median_of(guided, [&](R r) { return count(r.unguided_checks); }), median_of(guided, [&](R r) {
-                            return count(r.search.proposals.size() - r.guided_proposals);
-                          })};
+    result.by_unguided = {median_of(guided, [&](R r) { return count(r.unguided_checks); }),
+                          median_of(guided, [&](R r) { return count(r.proposals - r.guided_proposals); })};
     result.by_below = {median_of(guided, [&](R r) { return count(r.checks_below); }),
                        median_of(guided, [&](R r) { return count(r.proposals_below); })};
   }
-  result.own = figures(levels, &LevelResult::own);
-  result.root = figures(levels, &LevelResult::root);
-  result.own_cross = figures(levels, &LevelResult::own_cross);
-  result.root_cross = figures(levels, &LevelResult::root_cross);
-  result.equal = figures(levels, &LevelResult::equal);
-  result.oracle = figures(levels, &LevelResult::oracle);
-  result.uniform = figures(levels, &LevelResult::uniform);
+  result.own = figures(levels, &LevelScores::own);
+  result.root = figures(levels, &LevelScores::root);
+  result.own_cross = figures(levels, &LevelScores::own_cross);
+  result.root_cross = figures(levels, &LevelScores::root_cross);
+  result.equal = figures(levels, &LevelScores::equal);
+  result.oracle = figures(levels, &LevelScores::oracle);
+  result.uniform = figures(levels, &LevelScores::uniform);
   result.metrics = metrics(levels);
   return result;
 }
@@ -358,17 +350,17 @@ std::vector<std::uint64_t> parse_key(const std::string& key) {
 namespace {
 
 /// Whether the root's planner continues after its first path.
-bool is_anytime(const RunResult& run) {
+bool is_anytime(const RunFacts& run) {
   if (run.levels.empty()) return false;
-  const PlannerKind* planner = find_planner(run.levels.front().record.planner);
+  const PlannerKind* planner = find_planner(run.levels.front().planner);
   return planner != nullptr && planner->component->find("improve") != nullptr;
 }
 
-BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
+BesideSummary summarise_beside(std::span<const RunFacts* const> runs) {
   BesideSummary beside;
   std::vector<double> shares;
-  for (const RunResult* run : runs) {
-    const BoundedLoss& law = run->run.bounded;
+  for (const RunFacts* run : runs) {
+    const BoundedLoss& law = run->bounded;
     if (law.bound == 0.0) continue;
     ++beside.runs;
     const double all = law.guided.work + law.unguided.work;
@@ -376,7 +368,7 @@ BesideSummary summarise_beside(std::span<const RunResult* const> runs) {
     beside.unguided_won += law.unguided_won ? 1 : 0;
     if (!law.guides_set_up) {
       ++beside.not_set_up;
-    } else if (!run->levels.empty() && run->levels.front().record.guided_proposals == 0) {
+    } else if (!run->levels.empty() && run->levels.front().guided_proposals == 0) {
       ++beside.no_guided;
     }
   }
@@ -391,8 +383,8 @@ void add_waterfalls(RunsSummary& summary) {
 
 }  // namespace
 
-CensoredCost path_cost(const RunResult& run) {
-  return {static_cast<double>(run.run.validity_checks - run.run.improvement_checks), run.run.solved};
+CensoredCost path_cost(const RunFacts& run) {
+  return {static_cast<double>(run.validity_checks - run.improvement_checks), run.solved};
 }
 
 namespace {
@@ -464,7 +456,7 @@ bool disagree(const AboveUniform& a, const AboveUniform& b) {
   return a.printed() && b.printed() && (a.hi < b.lo - visible || b.hi < a.lo - visible);
 }
 
-RunsSummary summarise(std::span<const RunResult* const> runs) {
+RunsSummary summarise(std::span<const RunFacts* const> runs) {
   RunsSummary result;
   result.runs = runs.size();
   std::vector<CensoredCost> first_path;
@@ -480,28 +472,28 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   std::vector<double> makespan;
   std::vector<double> sum_of_costs;
   // By key: a run that ended early may lack the deeper levels.
-  std::map<std::vector<std::uint64_t>, LevelResults> levels;
+  std::map<std::vector<std::uint64_t>, Levels> levels;
   for (const auto* run : runs) {
     first_path.push_back(path_cost(*run));
-    if (run->run.solved && is_anytime(*run)) {
-      improvement.push_back(static_cast<double>(run->run.improvement_checks));
+    if (run->solved && is_anytime(*run)) {
+      improvement.push_back(static_cast<double>(run->improvement_checks));
     }
-    set_up.push_back(run->run.set_up);
-    work.push_back(run->run.work);
-    validity.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
-    motion.push_back({static_cast<double>(run->run.motion_checks), run->run.solved});
-    seconds.push_back({run->run.seconds, run->run.solved});
-    lua += run->run.lua_seconds;
+    set_up.push_back(run->set_up);
+    work.push_back(run->work);
+    validity.push_back({static_cast<double>(run->validity_checks), run->solved});
+    motion.push_back({static_cast<double>(run->motion_checks), run->solved});
+    seconds.push_back({run->seconds, run->solved});
+    lua += run->lua_seconds;
     cpu += run->cpu_seconds;
-    if (run->run.solved) {
+    if (run->solved) {
       ++result.solved;
-      length.push_back(run->run.length);
-      if (run->run.times) {
-        makespan.push_back(run->run.times->makespan);
-        sum_of_costs.push_back(run->run.times->sum_of_costs);
+      length.push_back(run->length);
+      if (run->times) {
+        makespan.push_back(run->times->makespan);
+        sum_of_costs.push_back(run->times->sum_of_costs);
       }
     }
-    for (const auto& level : run->levels) levels[parse_key(level.record.key)].push_back(&level);
+    for (const auto& level : run->levels) levels[parse_key(level.key)].push_back(&level);
   }
   result.success = wilson_interval(result.solved, result.runs);
   result.validity_checks = median_cost(first_path);
@@ -535,15 +527,15 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
   return result;
 }
 
-RunsSummary summarise(const RunResult& run) {
-  const RunResult* one = &run;
+RunsSummary summarise(const RunFacts& run) {
+  const RunFacts* one = &run;
   return summarise({&one, 1});
 }
 
 namespace {
 
 /// Adds the guides without a level, with their shares of the proposals.
-void add_parts(const std::vector<const RunResult*>& runs, std::vector<LevelSummary>& levels) {
+void add_parts(const std::vector<const RunFacts*>& runs, std::vector<LevelSummary>& levels) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     std::vector<std::string> other = {"goal", "uniform", "informed path"};
     for (const LevelSummary& one : levels) {
@@ -551,19 +543,18 @@ void add_parts(const std::vector<const RunResult*>& runs, std::vector<LevelSumma
     }
     std::vector<PartSummary>& parts = levels[i].parts;
     double all = 0.0;
-    for (const RunResult* run : runs) {
-      for (const LevelResult& one : run->levels) {
-        if (one.record.key != levels[i].key) continue;
-        const Search& search = one.record.search;
-        all += static_cast<double>(search.proposal_sources.size());
-        for (std::size_t k = 0; k < search.sources.size(); ++k) {
-          const std::string& name = search.sources[k];
+    for (const RunFacts* run : runs) {
+      for (const LevelFacts& one : run->levels) {
+        if (one.key != levels[i].key) continue;
+        for (const auto& source : one.sources) {
+          const std::string& name = source.first;
+          const auto proposals = static_cast<double>(source.second);
+          all += proposals;
           if (std::find(other.begin(), other.end(), name) != other.end()) continue;
           auto part =
               std::find_if(parts.begin(), parts.end(), [&](const PartSummary& known) { return known.name == name; });
           if (part == parts.end()) part = parts.insert(parts.end(), {name, 0.0});
-          part->share += static_cast<double>(std::count(search.proposal_sources.begin(), search.proposal_sources.end(),
-                                                        static_cast<Guidance::Source>(k)));
+          part->share += proposals;
         }
       }
     }
@@ -572,21 +563,16 @@ void add_parts(const std::vector<const RunResult*>& runs, std::vector<LevelSumma
 }
 
 /// Adds the obstacles that rejected each level's proposals.
-void add_rejections(const Experiment& experiment, const std::vector<const RunResult*>& runs,
-                    std::vector<LevelSummary>& levels) {
+void add_rejections(const std::vector<const RunFacts*>& runs, std::vector<LevelSummary>& levels) {
   for (LevelSummary& level : levels) {
     std::map<std::string, std::size_t> by;
-    for (const RunResult* run : runs) {
-      const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
-                                        [&](const Problem& one) { return one.name == run->problem; });
-      if (problem == experiment.problems.end()) continue;
-      for (const LevelResult& one : run->levels) {
-        if (one.record.key != level.key) continue;
-        const Rejections found = one.rejections ? *one.rejections : rejections(one.record, problem->resolution);
-        level.rejections.proposals += one.record.search.proposals.size();
-        level.rejections.rejected += found.rejected;
-        level.rejections.examined += found.examined;
-        for (const auto& [name, count] : found.by) by[name] += count;
+    for (const RunFacts* run : runs) {
+      for (const LevelFacts& one : run->levels) {
+        if (one.key != level.key || !one.rejections) continue;
+        level.rejections.proposals += one.proposals;
+        level.rejections.rejected += one.rejections->rejected;
+        level.rejections.examined += one.rejections->examined;
+        for (const auto& [name, count] : one.rejections->by) by[name] += count;
       }
     }
     level.rejections.by.assign(by.begin(), by.end());
@@ -595,13 +581,13 @@ void add_rejections(const Experiment& experiment, const std::vector<const RunRes
   }
 }
 
-CertifiedSummary summarise_certified(std::span<const RunResult* const> runs) {
+CertifiedSummary summarise_certified(std::span<const RunFacts* const> runs) {
   CertifiedSummary result;
-  for (const RunResult* run : runs) {
-    if (!run->run.certified) continue;
+  for (const RunFacts* run : runs) {
+    if (!run->certified) continue;
     ++result.paths;
-    if (result.paths > 1 && !(run->run.clearance < result.clearance)) continue;
-    result.clearance = run->run.clearance;
+    if (result.paths > 1 && !(run->clearance < result.clearance)) continue;
+    result.clearance = run->clearance;
     result.seed = run->seed;
   }
   return result;
@@ -609,18 +595,17 @@ CertifiedSummary summarise_certified(std::span<const RunResult* const> runs) {
 
 }  // namespace
 
-RunsSummary summarise(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                      const std::string& strategy) {
-  const std::vector<const RunResult*> runs = select_runs(result, problem, strategy);
+RunsSummary summarise(const ExperimentFacts& experiment, const std::string& problem, const std::string& strategy) {
+  const std::vector<const RunFacts*> runs = experiment.select(problem, strategy);
   RunsSummary summary = summarise(runs);
   add_parts(runs, summary.levels);
-  add_rejections(experiment, runs, summary.levels);
+  add_rejections(runs, summary.levels);
   summary.certified = summarise_certified(runs);
   for (LevelSummary& level : summary.levels) {
     std::vector<Efficiency> tree;
     std::vector<Efficiency> expansion;
     PooledSummary pooled;
-    for (const PooledScores& one : result.pooled) {
+    for (const PooledScores& one : experiment.pooled) {
       if (one.strategy != strategy || one.key != level.key || (!problem.empty() && one.problem != problem)) continue;
       tree.push_back(one.scores.tree);
       expansion.push_back(one.scores.expansion);
@@ -639,49 +624,46 @@ RunsSummary summarise(const Experiment& experiment, const ExperimentResult& resu
 namespace {
 
 /// On one problem, or "" on all, without correction.
-std::vector<Comparison> compare_on(const Experiment& experiment, const ExperimentResult& result,
-                                   const std::string& problem) {
+std::vector<Comparison> compare_on(const ExperimentFacts& experiment, const std::string& problem) {
   std::vector<Comparison> comparisons;
   if (experiment.strategies.size() < 2) return comparisons;
-  const std::string common = baseline_of(experiment);
-  for (const auto& entry : experiment.strategies) {
-    const std::string& name = entry.first;
+  const std::string common = experiment.baseline();
+  for (const StrategyFacts& strategy : experiment.strategies) {
+    const std::string& name = strategy.name;
     Comparison c;
     c.problem = problem;
     c.strategy = name;
-    c.baseline = common;
-    for (const AblationLink& link : experiment.ablations) {
-      if (link.strategy != name) continue;
-      c.baseline = link.of;
-      c.text = link.text;
-    }
+    c.baseline = strategy.ablation.empty() ? common : strategy.of;
+    c.text = strategy.ablation;
     if (c.baseline == name || c.baseline.empty()) continue;
-    const auto mine = select_runs(result, problem, name);
-    const auto theirs = select_runs(result, problem, c.baseline);
+    const auto mine = experiment.select(problem, name);
+    const auto theirs = experiment.select(problem, c.baseline);
     if (mine.size() != theirs.size()) continue;
-    const auto costs = [](const std::vector<const RunResult*>& runs) {
+    const auto costs = [](const std::vector<const RunFacts*>& runs) {
       std::vector<CensoredCost> list;
       list.reserve(runs.size());
-      for (const RunResult* run : runs) list.push_back(path_cost(*run));
+      for (const RunFacts* run : runs) list.push_back(path_cost(*run));
       return list;
     };
-    const auto values = [](const std::vector<const RunResult*>& runs, auto field) {
+    const auto values = [](const std::vector<const RunFacts*>& runs, auto field) {
       std::vector<double> list;
       list.reserve(runs.size());
-      for (const RunResult* run : runs) list.push_back(field(*run));
+      for (const RunFacts* run : runs) list.push_back(field(*run));
       return list;
     };
     const auto both = [&](auto field) { return paired(values(theirs, field), values(mine, field)); };
-    c.solved = both([](const RunResult& r) { return r.run.solved ? 1.0 : 0.0; });
+    c.solved = both([](const RunFacts& r) { return r.solved ? 1.0 : 0.0; });
     c.validity_checks = paired_costs(costs(mine), costs(theirs));
     c.solved.difference =
         newcombe_interval({c.validity_checks.solved, mine.size()}, {c.validity_checks.reference_solved, theirs.size()});
-    const auto crossed = [](const RunResult* r) { return !r->levels.empty() && r->levels.front().root_cross; };
+    const auto crossed = [](const RunFacts* r) {
+      return !r->levels.empty() && r->levels.front().scores && r->levels.front().scores->root_cross;
+    };
     c.cross = std::any_of(mine.begin(), mine.end(), crossed) && std::any_of(theirs.begin(), theirs.end(), crossed);
     const auto efficiency = [&](Role role, double Estimate::*quantity) {
-      return both([&](const RunResult& r) {
+      return both([&](const RunFacts& r) {
         if (r.levels.empty()) return nan;
-        const Efficiency* e = find(r.levels.front(), c.cross ? &LevelResult::root_cross : &LevelResult::root, role);
+        const Efficiency* e = r.levels.front().score(c.cross ? &LevelScores::root_cross : &LevelScores::root, role);
         return e != nullptr ? e->*quantity : nan;
       });
     };
@@ -708,13 +690,13 @@ void correct(std::vector<Comparison>& comparisons, Quantity quantity, Any any) {
 
 }  // namespace
 
-std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result, bool together) {
+std::vector<Comparison> compare(const ExperimentFacts& experiment, bool together) {
   std::vector<Comparison> shown;
   if (together) {
-    shown = compare_on(experiment, result, "");
+    shown = compare_on(experiment, "");
   } else {
-    for (const Problem& one : experiment.problems) {
-      auto found = compare_on(experiment, result, one.name);
+    for (const ProblemFacts& one : experiment.problems) {
+      auto found = compare_on(experiment, one.name);
       shown.insert(shown.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
     }
   }
@@ -750,15 +732,6 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
     labels.push_back(fmt::format("{:>{}} {}{}", i, digits, branches, levels[i].name));
   }
   return labels;
-}
-
-std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,
-                                          const std::string& strategy) {
-  std::vector<const RunResult*> runs;
-  for (const auto& run : result.runs) {
-    if ((problem.empty() || run.problem == problem) && run.strategy == strategy) runs.push_back(&run);
-  }
-  return runs;
 }
 
 std::string beside_text(const RunsSummary& summary) {

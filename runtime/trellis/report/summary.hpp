@@ -12,16 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/measure/censored_cost.hpp>
-#include <trellis/measure/efficiency.hpp>
+#include <trellis/experiment/facts.hpp>
 #include <trellis/measure/statistics.hpp>
-#include <trellis/strategy/run_facts.hpp>
 
 namespace trellis {
-
-struct Experiment;
-struct ExperimentResult;
-struct RunResult;
 
 /// The statistics of one role over the runs of a group, each with its interval. Means use the estimates themselves;
 /// means of divergences that fall below their bound, and their intervals, are clipped at the bound. A run without a
@@ -266,18 +260,17 @@ struct Comparison {
 std::vector<std::uint64_t> parse_key(const std::string& key);
 
 /// Returns the validity checks of a run until its first path.
-CensoredCost path_cost(const RunResult& run);
+CensoredCost path_cost(const RunFacts& run);
 
-RunsSummary summarise(std::span<const RunResult* const> runs);
-RunsSummary summarise(const RunResult& run);
+RunsSummary summarise(std::span<const RunFacts* const> runs);
+RunsSummary summarise(const RunFacts& run);
 /// The runs of a strategy on a problem or, with "", on all, with their samples of all seeds together and the obstacles
 /// that rejected proposals.
-RunsSummary summarise(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
-                      const std::string& strategy);
+RunsSummary summarise(const ExperimentFacts& experiment, const std::string& problem, const std::string& strategy);
 
 /// Compares all strategies with the baseline (ablations with the complete strategy) on each problem or, if `together`,
 /// on all problems together. The p values of a quantity are corrected over the returned comparisons.
-std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result, bool together);
+std::vector<Comparison> compare(const ExperimentFacts& experiment, bool together);
 
 /// Returns the names of levels in tables, as a tree: "0 root", "1 └ lazy()", "2   └ shrink(0.5)".
 std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);
@@ -285,9 +278,5 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);
 /// Returns a sentence on what the planner beside the guided search did: its share of the work, in how many runs it
 /// found the path, and where the guides never drew. Empty where there was none.
 std::string beside_text(const RunsSummary& summary);
-
-/// Returns the runs of a strategy on a problem, in the order of the result; with an empty `problem`, on all problems.
-std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,
-                                          const std::string& strategy);
 
 }  // namespace trellis

@@ -8,10 +8,7 @@
 #include <limits>
 
 #include <trellis/base/error.hpp>
-#include <trellis/experiment/experiment.hpp>
-#include <trellis/experiment/left_out.hpp>
 #include <trellis/report/words.hpp>
-#include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
 
@@ -37,30 +34,27 @@ Interval difference(const Interval& a, const Interval& b) {
 }
 
 /// The costs of a strategy on a problem or, with "", on all, by problem and seed.
-std::vector<std::vector<CensoredCost>> costs_of(const Experiment& experiment, const ExperimentResult& result,
-                                                const std::string& problem, const std::string& strategy) {
+std::vector<std::vector<CensoredCost>> costs_of(const ExperimentFacts& experiment, const std::string& problem,
+                                                const std::string& strategy) {
   std::vector<std::vector<CensoredCost>> costs;
-  for (const Problem& one : experiment.problems) {
+  for (const ProblemFacts& one : experiment.problems) {
     if (!problem.empty() && one.name != problem) continue;
     costs.emplace_back();
-    for (const RunResult* run : select_runs(result, one.name, strategy)) costs.back().push_back(path_cost(*run));
+    for (const RunFacts* run : experiment.select(one.name, strategy)) costs.back().push_back(path_cost(*run));
   }
   return costs;
 }
 
 /// The costs of a strategy without a guide, by problem and seed.
-std::vector<std::vector<CensoredCost>> costs_without(const Experiment& experiment, const ExperimentResult& result,
-                                                     const std::string& problem, const std::string& strategy,
-                                                     const Ablation& ablation) {
-  if (const auto* equal = equal_strategy(experiment, strategy, ablation.strategy)) {
-    return costs_of(experiment, result, problem, equal->first);
-  }
+std::vector<std::vector<CensoredCost>> costs_without(const ExperimentFacts& experiment, const std::string& problem,
+                                                     const std::string& strategy, const GuideFacts& guide) {
+  if (!guide.equal.empty()) return costs_of(experiment, problem, guide.equal);
   std::vector<std::vector<CensoredCost>> costs;
-  for (const Problem& one : experiment.problems) {
+  for (const ProblemFacts& one : experiment.problems) {
     if (!problem.empty() && one.name != problem) continue;
     costs.emplace_back();
-    for (const LeftOut& left_out : result.left_out) {
-      if (left_out.problem == one.name && left_out.strategy == strategy && left_out.key == ablation.key) {
+    for (const LeftOut& left_out : experiment.left_out) {
+      if (left_out.problem == one.name && left_out.strategy == strategy && left_out.key == guide.key) {
         costs.back() = left_out.costs;
       }
     }
@@ -202,23 +196,23 @@ Verdict verdict_of(const PairedCosts& costs, std::size_t tests) {
   return verdict;
 }
 
-std::vector<GuideVerdict> guide_verdicts(const Experiment& experiment, const ExperimentResult& result, bool together) {
+std::vector<GuideVerdict> guide_verdicts(const ExperimentFacts& experiment, bool together) {
   std::vector<GuideVerdict> found;
   std::vector<std::string> problems = {""};
   if (!together) {
     problems.clear();
-    for (const Problem& problem : experiment.problems) problems.push_back(problem.name);
+    for (const ProblemFacts& problem : experiment.problems) problems.push_back(problem.name);
   }
   std::vector<double> p;
   for (const std::string& problem : problems) {
-    for (const auto& [name, strategy] : experiment.strategies) {
-      if (is_ablation(experiment, name)) continue;
-      const auto with = costs_of(experiment, result, problem, name);
-      for (const Ablation& ablation : decisive_ablations(strategy)) {
-        found.push_back({problem, name, ablation.key, ablation.guide, {}});
+    for (const StrategyFacts& strategy : experiment.strategies) {
+      if (!strategy.ablation.empty()) continue;
+      const auto with = costs_of(experiment, problem, strategy.name);
+      for (const GuideFacts& guide : strategy.guides) {
+        found.push_back({problem, strategy.name, guide.key, guide.guide, {}});
         Verdict& verdict = found.back().verdict;
         verdict.kind = Verdict::Kind::not_tested;
-        verdict.costs = pairs_of(with, costs_without(experiment, result, problem, name, ablation));
+        verdict.costs = pairs_of(with, costs_without(experiment, problem, strategy.name, guide));
         p.push_back(verdict.costs ? verdict.costs->sign_p : std::numeric_limits<double>::quiet_NaN());
       }
     }

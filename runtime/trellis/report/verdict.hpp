@@ -51,9 +51,9 @@ std::string verdict_text(const Verdict& verdict);
 
 /// Returns the verdicts on all guides of all strategies that are no ablations: on each problem, or on all together. A
 /// difference counts at p < 0.05 in the sign test with Holm's correction over all these verdicts. The runs without a
-/// guide are those of a strategy of the experiment that searches so, or of ExperimentResult::left_out. The guide's own
+/// guide are those of a strategy of the experiment that searches so, or of ExperimentFacts::left_out. The guide's own
 /// guides take its place.
-std::vector<GuideVerdict> guide_verdicts(const Experiment& experiment, const ExperimentResult& result, bool together);
+std::vector<GuideVerdict> guide_verdicts(const ExperimentFacts& experiment, bool together);
 
 /// Returns the verdicts on the levels of a strategy, with the reasons; none for an ablation.
 /// \param found  the verdicts of a report

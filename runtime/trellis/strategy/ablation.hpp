@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/strategy/run_facts.hpp>
 #include <trellis/strategy/spec.hpp>
 
 namespace trellis {
@@ -25,9 +26,5 @@ std::vector<Ablation> ablations(const StrategySpec& strategy);
 
 /// Those that decide whether a guide pays, one for each guide: skipped where it is guided.
 std::vector<Ablation> decisive_ablations(const StrategySpec& strategy);
-
-/// The key of the guide whose space a level searches, from the level's key; "" for the root and for halves of a split
-/// search, which no guide made.
-std::string guide_key(const std::string& level_key);
 
 }  // namespace trellis

@@ -65,10 +65,9 @@ std::string listed(const std::vector<LevelSummary>& levels) {
 }  // namespace
 
 std::string find_level(const std::vector<RunResult>& runs, const std::string& name) {
-  std::vector<const RunResult*> all;
-  all.reserve(runs.size());
-  for (const RunResult& run : runs) all.push_back(&run);
-  const RunsSummary summary = summarise(all);
+  ExperimentFacts all;
+  for (const RunResult& run : runs) all.runs.push_back(facts_of(run));
+  const RunsSummary summary = summarise(all.select("", runs.empty() ? "" : runs.front().strategy));
   const std::vector<LevelSummary>& levels = summary.levels;
   const std::string missing =
       summary.beside.not_set_up > 0

@@ -20,8 +20,8 @@ std::string evidence(const Trial& trial, const Matcher& matcher, const Verdict& 
   const auto run = std::find_if(runs.begin(), runs.end(), [&](const RunResult& r) { return r.seed == *verdict.worst; });
   if (run == runs.end()) return "";
   return fmt::format(
-      "seed {}: {}\n{}{}replay: {}\n", *verdict.worst, verdict.why_worst, levels_text(summarise(*run), width),
-      matcher.of_efficiency() ? efficiency_text(summarise(*run), width) : "", trial.replay(*verdict.worst));
+      "seed {}: {}\n{}{}replay: {}\n", *verdict.worst, verdict.why_worst, levels_text(summarise(facts_of(*run)), width),
+      matcher.of_efficiency() ? efficiency_text(summarise(facts_of(*run)), width) : "", trial.replay(*verdict.worst));
 }
 
 }  // namespace trellis::trial

@@ -11,19 +11,13 @@
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/scene/scene.hpp>
-#include <trellis/scene/team_times.hpp>
 #include <trellis/strategy/run_facts.hpp>
 #include <trellis/strategy/spec.hpp>
 
 namespace trellis {
 
 /// The record of one level of a hierarchy in one run. Level 0 is the root: the configuration space of the actual robot.
-struct LevelRecord {
-  int level = 0;        ///< position in the run's list, depth first
-  int parent = -1;      ///< the level that this one guides; -1 at the root
-  int depth = 0;        ///< 0 at the root
-  std::string key;      ///< path in the hierarchy, the key of random streams: "0", "0.0", "0.1.0"
-  std::string name;     ///< "root" or the guide as written: "shrink(0.5)"
+struct LevelRecord : LevelAccounts {
   Space space;          ///< S
   Configuration start;  ///< of its instance
   Configuration goal;
@@ -32,23 +26,10 @@ struct LevelRecord {
   /// Whether the first coordinates are those of the scene's robot, where the space has as many: not where they say how
   /// far other robots are.
   bool places_robot = true;
-  bool presumed = false;     ///< its validity was presumed instead of checked
-  std::string planner;       ///< name of the planner in scripts
-  std::uint64_t solves = 0;  ///< number of solves, including further ones
-  Resolves resolves;         ///< number of further solves, by reason
-  int solved_as = -1;        ///< number of levels whose first solve ended before that of this one; -1: never solved
-  /// Whether a guide, or a path from another guide, drew proposals for it.
-  bool guided = false;
-  /// Validity checks by the accounts of bounded loss: those of guided proposals and of the validation of guiding paths;
-  /// those of other proposals; and those of all levels below that its guide searches.
-  std::uint64_t guided_checks = 0;
-  std::uint64_t unguided_checks = 0;
-  std::uint64_t checks_below = 0;
-  /// The same for proposals. The other proposals of `search` are unguided.
-  std::uint64_t guided_proposals = 0;
-  std::uint64_t proposals_below = 0;
-  Search search;      ///< proposals, nodes, fates, checks and time over all solves
-  Solution solution;  ///< the last solution found
+  bool presumed = false;  ///< its validity was presumed instead of checked
+  int solved_as = -1;     ///< number of levels whose first solve ended before that of this one; -1: never solved
+  Search search;          ///< proposals, nodes, fates, checks and time over all solves
+  Solution solution;      ///< the last solution found
   /// Validity in S at the end of the run: of a configuration, and of the straight motion from a valid configuration.
   /// For scoring; no record counts these checks. Not thread-safe: all levels of a run may share a checker.
   std::function<bool(View)> valid;
@@ -95,66 +76,7 @@ struct Turn {
   Configurations path;       ///< path of the solve that ended; empty if none ended or no path was found
 };
 
-/// What searches cost, counted twice.
-struct RunCost {
-  double checks = 0.0;  ///< of configurations
-  double work = 0.0;    ///< CPU time by a model, in units of search_cost: checks, proposals, searches of graphs, set-up
-
-  friend RunCost operator+(const RunCost& a, const RunCost& b) { return {a.checks + b.checks, a.work + b.work}; }
-  friend RunCost operator-(const RunCost& a, const RunCost& b) { return {a.checks - b.checks, a.work - b.work}; }
-};
-
-/// The constants of bounded loss.
-inline constexpr RunCost companion_constant = {800.0, 1200.0};
-
-/// The shares of a guided run in its cost. Bounded loss, of checks as of work: guided + unguided <=
-/// bound * U + constant + largest_step, where U is the cost of the same planner without guides on this seed, which is
-/// at least `unguided`.
-struct BoundedLoss {
-  double bound = 0.0;  ///< 0: the guided search ran alone
-  RunCost constant;
-  RunCost largest_step;  ///< of the guided search: between two places where it can wait, or up to its end
-  RunCost guided;        ///< of all levels
-  RunCost unguided;      ///< of the planner that ran beside them without guides
-  double set_up = 0.0;   ///< work of the guides' set-up: part of `guided`, or an estimate where they were not set up
-  bool guides_set_up = false;            ///< false: the unguided planner ended before it had done as much work as that
-  bool unguided_won = false;             ///< it found the path
-  std::uint64_t unguided_proposals = 0;  ///< the last proposals of level 0
-};
-
-struct RunRecord {
-  Status status = Status::untried;
-  bool solved = false;
-  double seconds = 0.0;      ///< wall-clock time to set up and plan, all levels, without completion of the record
-  double cpu_seconds = 0.0;  ///< CPU time for the same, of the thread and of its helpers (ExecuteOptions::threads)
-  /// Part of `cpu_seconds`: functions in Lua and what they call, and loading their script. Calls are timed by the wall
-  /// clock, so this is their share of `seconds`, times `cpu_seconds`. 0 where no such function was called.
-  double lua_seconds = 0.0;
-  Configurations path;                  ///< from start to goal; empty if unsolved
-  double length = 0.0;                  ///< of `path`, in metres in the metric
-  std::optional<TeamTimes> times = {};  ///< of `path`, where the robot is a team
-  Trajectory trajectory;                ///< controls of the path if the problem has a motion model
-  std::uint64_t validity_checks = 0;    ///< over all levels
-  std::uint64_t motion_checks = 0;
-  /// Part of `validity_checks`: those of an anytime planner after its first path, spent on shorter ones.
-  std::uint64_t improvement_checks = 0;
-  double work = 0.0;  ///< of all levels: see RunCost
-  /// The work to set up the guides for this run alone; 0 where they were not set up. `work` counts
-  /// one part in `queries` of what depends on the world alone, as its medial axis.
-  double set_up = 0.0;
-  double set_up_seconds = 0.0;        ///< part of `seconds`: the time to set up the guides
-  std::uint64_t shortcut_checks = 0;  ///< validity checks of shortcutting; the sums above exclude them
-  /// Whether `path` is certified: everywhere on it the robot is free of contact (PathCertificate). Every path that is
-  /// reported is.
-  bool certified = false;
-  double clearance = 0.0;  ///< of a certified path, in metres: a lower bound on the robot's distance from contact
-  std::uint64_t refuted_paths = 0;  ///< paths found before `path` that could not be certified
-  std::uint64_t path_checks = 0;    ///< configurations checked for certificates; the sums and times above exclude them
-  double path_seconds = 0.0;        ///< CPU time of the thread for certificates; not in the times above
-  BoundedLoss bounded;
-  /// The root's paths before shortcutting: the first one and each shorter one, without those that could not be
-  /// certified.
-  std::vector<Improvement> improvements;
+struct RunRecord : RunTotals {
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in chronological order
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/report/views/glossary.hpp>
 
+#include <trellis/report/quantities.hpp>
+
 namespace trellis {
 
 const std::vector<ReportTerm>& report_terms() {
@@ -49,8 +51,8 @@ const std::vector<ReportTerm>& report_terms() {
        "nats above uniform of what the level's guide and planner propose, lifted to the root, and of the nodes of its "
        "tree: of all seeds together where there are five or more. Proposals whose densities are known in closed form "
        "are exact: no estimation, whatever their number"},
-      {"along", "the part of the spread along the path: the divergence of arc length"},
-      {"across", "the part of the spread across the path"},
+      {"along", quantity("D_eps_parts.along").meaning},
+      {"across", quantity("D_eps_parts.across").meaning},
       {"verdict",
        "whether a level pays: an experiment, the strategy with and without it on the same seeds, unscored. The guides "
        "of the level take its place. `--ablation` sets how much work that may take"},
@@ -91,11 +93,11 @@ const std::vector<ReportTerm>& report_terms() {
       {"levels below", "by the levels that guide this one"},
       {"N", "samples that are scored, the median over the runs"},
       {"in target", "samples that lie in the target, the median over the runs"},
-      {"D", "the divergence with nothing mixed in: infinite where a part of the target has no sample"},
-      {"D at least", "the lower end of the 95 % interval of mass, a bound on D"},
-      {"empty", "share of the target's bins along the path that have no sample"},
+      {"D", quantity("D").meaning},
+      {"D at least", quantity("D_mass_lower95").meaning},
+      {"empty", quantity("along.empty_share").meaning},
       {"covered", "share of the target within delta of a sample; in brackets that of as many uniform samples"},
-      {"JS", "Jensen-Shannon divergence, nats, at most 0.69"},
+      {"JS", quantity("JS").meaning},
       {"own path", "scored on the path of the same run"},
       {"other seeds", "scored on paths that other seeds found, which no run can fit its samples to"},
       {"all seeds together",
@@ -105,9 +107,7 @@ const std::vector<ReportTerm>& report_terms() {
       {"single runs differ",
        "the interval over the runs and that of all seeds together exclude each other: together they cover what each "
        "run misses"},
-      {"scale",
-       "the divergence from 0, perfect guidance, to 1, uniform sampling: (SE - perfect) / (uniform - perfect); less is "
-       "better"},
+      {"scale", described(quantity("scale"))},
   };
   return terms;
 }

@@ -796,14 +796,14 @@ std::string report_text(const ExperimentSummary& experiment, int width, ReportKi
                                     : fmt::format("{}, {}", problem->problem, seeds_text(experiment.seeds));
     out += '\n' + title(heading, columns);
     for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
-      const auto& [name, text, shares, ablation, guided] = experiment.strategies[s];
+      const StrategyFacts& of = experiment.strategies[s];
       const RunsSummary& runs = problem->strategies[s].runs;
-      out += '\n' + wrap(name == text ? name : fmt::format("{} = {}", name, text), columns, "", "    ");
+      out += '\n' + wrap(of.name == of.text ? of.name : fmt::format("{} = {}", of.name, of.text), columns, "", "    ");
       out += wrap(
           fmt::format("solved {}/{} runs{} · {}", runs.solved, runs.runs,
                       runs.runs >= least_for_interval ? fmt::format(" ({}, 95 % Wilson)", wilson_text(runs.success))
                                                       : std::string(),
-                      shares),
+                      of.shares),
           columns, "", "    ");
       out += strategy_table(runs, experiment.measured, kind == ReportKind::full, columns);
       if (experiment.measured) out += pooled_text(runs, columns);

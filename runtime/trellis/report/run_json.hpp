@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The entry of a run in documents and in files of records: one list of fields writes it and reads it. For sources that
+// include the JSON library.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include <trellis/experiment/facts.hpp>
+#include <trellis/report/quantities.hpp>
+
+namespace trellis::json {
+
+using Json = nlohmann::ordered_json;
+
+/// Returns a number, "inf" or "-inf", or null for NaN.
+Json number(double x);
+
+/// Returns the place of a quantity in an object.
+Json& place_of(const Quantity& quantity, Json& object);
+
+/// The measured set of samples relative to a target; null without a score.
+Json measured_set(const Efficiency* scored);
+/// What one estimator finds. \param of  the set, which bounds it
+Json estimate(const Estimate& estimate, const Efficiency& of);
+Efficiency read_measured_set(const Json& json);
+
+/// An entry of `runs`.
+Json run(const RunFacts& run);
+RunFacts read_run(const Json& json);
+
+/// The scores of a level: its `measure` and its `metrics`.
+void add_scores(const LevelScores* scores, Json& level);
+/// \return nullptr where the level has no scores
+std::shared_ptr<LevelScores> read_scores(const Json& level);
+
+/// The scores of a level of all seeds together.
+Json pooled(const PooledScores& pooled);
+
+/// The number of times that a level was solved again, by reason.
+Json resolves(const Resolves& resolves);
+
+/// Returns the JSON in one line; bytes of names that are not UTF-8 become U+FFFD.
+std::string dump(const Json& json);
+
+}  // namespace trellis::json

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads documents of results and files of records.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <variant>
+
+#include <trellis/base/error.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/report/quantities.hpp>
+#include <trellis/report/records.hpp>
+#include <trellis/report/run_json.hpp>
+
+namespace trellis {
+
+namespace {
+
+using json::Json;
+
+/// Calls `body` and replaces the exceptions of the JSON library.
+template <class Body>
+auto parsed(const std::string& message, Body body) {
+  try {
+    return body();
+  } catch (const Json::exception&) {
+    throw Error(message);
+  }
+}
+
+const Json& levels_of(const Json& json, const RunResult& run) {
+  const Json& levels = json.at("levels");
+  if (levels.size() != run.levels.size()) {
+    throw Error(fmt::format("the record has {} levels, the run has {}", levels.size(), run.levels.size()));
+  }
+  return levels;
+}
+
+/// The pooled scores of a level.
+PooledScores pooled_of(const Json& json) {
+  return {.problem = json.at("problem").get<std::string>(),
+          .strategy = json.at("strategy").get<std::string>(),
+          .key = json.at("key").get<std::string>(),
+          .seeds = json.at("seeds").get<std::size_t>(),
+          .targets = json.at("targets").get<std::size_t>(),
+          .scores = {json::read_measured_set(json.at("tree")), json::read_measured_set(json.at("expansion"))}};
+}
+
+void read_document(const Json& document, ExperimentFacts& facts) {
+  const Json trellis = document.value("trellis", Json::object());
+  facts.version = trellis.value("version", "");
+  facts.format = trellis.value("format", 1);
+  facts.script = document.value("script", "");
+  read_experiment(json::dump(document.at("experiment")), facts);
+  for (const Json& one : document.value("obstructions", Json::array())) {
+    for (ProblemFacts& problem : facts.problems) {
+      if (problem.name == one.at("problem")) problem.obstruction = one.at("text").get<std::string>();
+    }
+  }
+  for (const Json& one : document.value("pooled", Json::array())) facts.pooled.push_back(pooled_of(one));
+  for (const Json& one : document.value("left_out", Json::array())) {
+    LeftOut& left = facts.left_out.emplace_back();
+    left.problem = one.at("problem").get<std::string>();
+    left.strategy = one.at("strategy").get<std::string>();
+    left.key = one.at("key").get<std::string>();
+    for (const Json& cost : one.at("costs")) {
+      left.costs.push_back({cost.at("validity_checks").get<double>(), cost.at("solved").get<bool>()});
+    }
+  }
+}
+
+}  // namespace
+
+ExperimentFacts read_results(const std::string& document, const std::string& file) {
+  try {
+    return parsed("this is no document that trellis run --json writes", [&] {
+      ExperimentFacts facts;
+      // Run by run, so that the runs of a large document are not in memory as JSON.
+      bool in_runs = false;
+      const Json rest = Json::parse(document, [&](int depth, Json::parse_event_t event, Json& value) {
+        if (event == Json::parse_event_t::key && depth == 1) in_runs = value == "runs";
+        if (!in_runs || depth != 2 || event != Json::parse_event_t::object_end) return true;
+        facts.runs.push_back(json::read_run(value));
+        return false;
+      });
+      static_cast<void>(rest.at("runs"));
+      read_document(rest, facts);
+      return facts;
+    });
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
+void require_format(const ExperimentFacts& facts, const std::string& file) {
+  if (facts.format == document_format) return;
+  throw Error(
+      fmt::format("{}: trellis {} wrote this document in format {}, this version reads reports of format {}; `trellis "
+                  "compare` and `verify` read it",
+                  file, facts.version, facts.format, document_format));
+}
+
+RunFacts read_run(const std::string& line) {
+  return parsed("this is no record of a run", [&] { return json::read_run(Json::parse(line)); });
+}
+
+std::string scores_line(const RunResult& run) {
+  const RunFacts facts = facts_of(run);
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < run.levels.size(); ++i) {
+    Json& level = levels.emplace_back(Json::object());
+    json::add_scores(facts.levels[i].scores.get(), level);
+    if (run.levels[i].metrics) level["classes"] = run.levels[i].metrics->classes;
+  }
+  Json points = Json::array();
+  for (const double x : run.target.values()) points.push_back(x);
+  return json::dump({{"problem", run.problem},
+                     {"strategy", run.strategy},
+                     {"seed", run.seed},
+                     {"levels", std::move(levels)},
+                     {"target", {{"dimension", run.target.dimension()}, {"points", std::move(points)}}}});
+}
+
+void restore_scores(RunResult& run, const std::string& line) {
+  parsed("this is no record of scores", [&] {
+    const Json json = Json::parse(line);
+    const Json& levels = levels_of(json, run);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const auto scores = json::read_scores(levels[i]);
+      static_cast<LevelScores&>(run.levels[i]) = scores ? *scores : LevelScores();
+      if (!levels[i].contains("classes")) continue;
+      for (const Json& one : levels[i].at("classes")) {
+        const int number = one.get<int>();
+        if (number < 0 || number > static_cast<int>(NodeClass::invalid)) {
+          throw Error(
+              fmt::format("a node has class {}; there are 0 to {}", number, static_cast<int>(NodeClass::invalid)));
+        }
+        if (auto& metrics = run.levels[i].metrics) metrics->classes.push_back(static_cast<NodeClass>(number));
+      }
+    }
+    const Json& target = json.at("target");
+    const auto points = target.at("points").get<std::vector<double>>();
+    const auto dimension = target.at("dimension").get<std::size_t>();
+    const std::size_t expected = run.levels.empty() ? dimension : run.levels.front().record.space.dimension();
+    if (!points.empty() && dimension != expected) {
+      throw Error(fmt::format("the target's points have {} coordinates, the run's have {}", dimension, expected));
+    }
+    run.target = Configurations(dimension);
+    for (std::size_t i = 0; dimension > 0 && i + dimension <= points.size(); i += dimension) {
+      run.target.push(View(points).subspan(i, dimension));
+    }
+  });
+}
+
+std::string pooled_line(const std::string& problem, const std::vector<PooledScores>& pooled) {
+  Json all = Json::array();
+  for (const PooledScores& one : pooled) all.push_back(json::pooled(one));
+  return json::dump({{"problem", problem}, {"strategy", ""}, {"seed", 0}, {"pooled", std::move(all)}});
+}
+
+void restore_pooled(std::vector<PooledScores>& pooled, const std::string& line) {
+  parsed("this is no record of pooled scores", [&] {
+    const Json json = Json::parse(line);
+    for (const Json& one : json.at("pooled")) pooled.push_back(pooled_of(one));
+  });
+}
+
+void restore_times(RunResult& run, const std::string& line) {
+  const RunFacts stored = read_run(line);
+  if (stored.levels.size() != run.levels.size()) {
+    throw Error(fmt::format("the record has {} levels, the run has {}", stored.levels.size(), run.levels.size()));
+  }
+  for (const RunQuantity& quantity : run_quantities()) {
+    if (!quantity.clock) continue;
+    std::visit([&](auto member) { run.run.*member = stored.*member; }, quantity.field);
+  }
+  run.cpu_seconds = stored.cpu_seconds;
+  for (std::size_t i = 0; i < std::min(stored.improvements.size(), run.run.improvements.size()); ++i) {
+    run.run.improvements[i].cpu_seconds = stored.improvements[i].cpu_seconds;
+  }
+  for (std::size_t i = 0; i < stored.levels.size(); ++i) {
+    run.levels[i].record.search.seconds = stored.levels[i].seconds;
+  }
+}
+
+namespace {
+
+void remove_times(Json& json) {
+  if (json.is_object()) {
+    for (const RunQuantity& quantity : run_quantities()) {
+      if (quantity.clock) json.erase(std::string(quantity.key));
+    }
+  }
+  if (json.is_structured()) {
+    for (Json& part : json) remove_times(part);
+  }
+}
+
+/// Removes the fields that scoring sets.
+Json without_scores(const std::string& line) {
+  Json json = Json::parse(line);
+  for (Json& level : json.at("levels")) {
+    for (const char* name : {"measure", "metrics"}) level.erase(std::string(name));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string without_times(const std::string& line) {
+  Json json = Json::parse(line);
+  remove_times(json);
+  return json.dump();
+}
+
+bool equal_but_for_scores(const std::string& a, const std::string& b) {
+  return a == b || parsed("this is no record of a run", [&] { return without_scores(a) == without_scores(b); });
+}
+
+}  // namespace trellis

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The table of quantities, and what follows from it.
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include <trellis/base/error.hpp>
+#include <trellis/report/quantities.hpp>
+#include <trellis/report/records.hpp>
+
+#include "report_fixture.hpp"
+#include "support/catch.hpp"
+
+using namespace trellis;
+using Json = nlohmann::json;
+
+namespace {
+
+/// Whether an object has a quantity, under its name.
+bool has(const Json& object, const Quantity& quantity) {
+  const Json& group = *quantity.group == '\0' ? object : object.at(quantity.group);
+  return group.contains(quantity.key);
+}
+
+}  // namespace
+
+TEST_CASE("each quantity has one name, a meaning, and a place in documents", "[report]") {
+  std::set<std::string> names;
+  for (const Quantity& one : quantities()) {
+    CAPTURE(one.name());
+    CHECK(names.insert(one.name()).second);
+    CHECK(quantity(one.name()).meaning == std::string(one.meaning));
+    CHECK(std::string(one.meaning).size() > 10);
+  }
+  CHECK_THROWS_AS(quantity("undefended"), Fault);
+
+  const auto [experiment, result] = fixture::passage();
+  const Json document = Json::parse(fixture::report_json(experiment, result));
+  const Json& run = document.at("runs").at(0);
+  const Json& set = run.at("levels").at(0).at("measure").at("tree").at("self");
+  const Json& over_runs = document.at("summary").at(0).at("levels").at(0).at("measure").at("tree").at("self");
+  for (const RunQuantity& one : run_quantities()) CHECK(has(run, one));
+  for (const MeasureQuantity& one : measure_quantities()) {
+    CAPTURE(one.name());
+    CHECK(has(set, one));
+    if (one.over_runs != nullptr) CHECK(has(over_runs, one));
+  }
+  const std::string header = runs_csv_header();
+  for (const RunQuantity& one : run_quantities()) CHECK(header.find("," + one.name() + ",") != std::string::npos);
+}
+
+TEST_CASE("a measured set keeps the estimates that bounds replace", "[report]") {
+  Efficiency scored = fixture::efficiency(2.4, 0.1, 100);
+  scored.perfect = 0.05;
+  scored.mass = 1.2;
+  scored.mass_lower95 = 1.0;
+  scored.unregularised = 0.4;
+  scored.others.push_back(Estimate{.estimator = "kde", .value = -0.2, .unregularised = -0.3, .gain = 2.6});
+  RunResult run = fixture::plain_run("p", 1, true);
+  run.levels.front().own = Scores{scored, scored};
+  const std::string line = run_line(facts_of(run));
+  const Json set = Json::parse(line).at("levels").at(0).at("measure").at("tree").at("self");
+  CHECK(set.at("D") == 1.0);
+  CHECK(set.at("estimates").at("D") == 0.4);
+  CHECK(set.at("others").at("kde").at("D") == 1.0);
+
+  const Efficiency* read = read_run(line).levels.front().score(&LevelScores::own, &Scores::tree);
+  REQUIRE(read != nullptr);
+  CHECK(read->unregularised == 0.4);
+  CHECK(read->value == scored.value);
+  CHECK(read->others.front().value == -0.2);
+  CHECK(read->others.front().unregularised == -0.3);
+  CHECK(std::isnan(read->along.divergence));
+}
