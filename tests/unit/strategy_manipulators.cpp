@@ -189,6 +189,18 @@ TEST_CASE("each guide that works in space guides a manipulator", "[robot][guide]
   }
 }
 
+TEST_CASE("rrt_connect grows the smaller tree of an arm, unless a script says otherwise", "[robot]") {
+  const Problem problem = problem_of(world_with({ball({0.5, 0.6, 0.7}, 0.15), ball({0.3, -0.7, 0.4}, 0.2)}), six_arm());
+  const auto nodes = [&](const std::vector<Options::Entry>& options) {
+    const RunRecord run = execute(PlannerSpec::make("rrt_connect", options), problem, 1);
+    CHECK(run.solved);
+    return run.levels.front().search.nodes;
+  };
+  const Configurations automatic = nodes({});
+  CHECK(std::ranges::equal(automatic.values(), nodes({{"grow", "smaller"}}).values()));
+  CHECK_FALSE(std::ranges::equal(automatic.values(), nodes({{"grow", "in_turn"}}).values()));
+}
+
 TEST_CASE("a guide of a tip needs one arm, or the name of a link", "[robot][guide][team]") {
   const SphereModel team =
       SphereModel::team({six_arm().based_at({{-0.8, 0, 0}, {}}), six_arm().based_at({{0.8, 0, 0}, {}})});
