@@ -158,6 +158,42 @@ TEST_CASE("a resumed planner searches for another path within the same budget", 
   }
 }
 
+TEST_CASE("rrt_connect grows the smaller tree, or both in turn", "[planner]") {
+  const PlannerKind& kind = *find_planner("rrt_connect");
+  const auto grown = [&](const std::string& grow, std::uint64_t seed) {
+    return run(kind, test::trap_problem(), seed, 1, {{"grow", grow}});
+  };
+  // The nodes of the tree that an accepted proposal extended, and those of the other one, before it.
+  const auto larger_extended = [](const Search& search) {
+    std::vector<std::size_t> side(search.nodes.size());
+    for (std::size_t row = 0; row < side.size(); ++row) {
+      const std::uint32_t parent = search.parents[row];
+      side[row] = parent == row ? (row == 0 ? 0 : 1) : side[parent];
+    }
+    int count = 0;
+    for (std::size_t i = 0; i < search.added.size(); ++i) {
+      if (search.added[i] == no_node) continue;
+      const auto begin = side.begin();
+      const auto own = std::count(begin, begin + search.added[i], side[search.near[i]]);
+      count += 2 * own > static_cast<std::ptrdiff_t>(search.added[i]) ? 1 : 0;
+    }
+    return count;
+  };
+  int in_turn = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    CAPTURE(seed);
+    const auto smaller = grown("smaller", seed);
+    REQUIRE(smaller.solution.solved());
+    check_path(test::trap_problem(), smaller.solution.path);
+    CHECK(larger_extended(smaller.search) == 0);
+    const auto turns = grown("in_turn", seed);
+    in_turn += larger_extended(turns.search);
+    // The robot is no arm.
+    CHECK(std::ranges::equal(grown("auto", seed).search.nodes.values(), turns.search.nodes.values()));
+  }
+  CHECK(in_turn > 0);
+}
+
 TEST_CASE("start and goal in one place are solved at once", "[planner]") {
   auto problem = test::cup_problem();
   problem.goals = {problem.start};

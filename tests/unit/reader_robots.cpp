@@ -207,14 +207,14 @@ TEST_CASE("faults of URDF files name file, line and what is meant", "[reader][ro
                        Contains("line 4: package://robot/two.stl"));
 }
 
-TEST_CASE("joints that cannot move a robot are refused with the file's name", "[reader][robot]") {
+TEST_CASE("joints that cannot move a robot are refused with file and line", "[reader][robot]") {
   const test::Folder folder;
   ManipulatorFiles files;
   files.urdf = folder.write(
-      "f.urdf",
-      head + std::string(R"(<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint></robot>)"));
+      "f.urdf", head + std::string("\n") +
+                    R"(<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint></robot>)");
   std::vector<std::string> warnings;
-  CHECK_THROWS_WITH(read_manipulator(files, warnings), Contains("f.urdf: joint 'j' is floating"));
+  CHECK_THROWS_WITH(read_manipulator(files, warnings), Contains("f.urdf:2: joint 'j' is floating"));
 }
 
 TEST_CASE("robots of 100000 links, and groups within groups, are refused or read within a second", "[reader][robot]") {

@@ -189,6 +189,38 @@ TEST_CASE("each guide that works in space guides a manipulator", "[robot][guide]
   }
 }
 
+TEST_CASE("rrt_connect grows the smaller tree of an arm, unless a script says otherwise", "[robot]") {
+  const Problem problem = problem_of(world_with({ball({0.5, 0.6, 0.7}, 0.15), ball({0.3, -0.7, 0.4}, 0.2)}), six_arm());
+  const auto nodes = [&](const std::vector<Options::Entry>& options) {
+    const RunRecord run = execute(PlannerSpec::make("rrt_connect", options), problem, 1);
+    CHECK(run.solved);
+    return run.levels.front().search.nodes;
+  };
+  const Configurations automatic = nodes({});
+  CHECK(std::ranges::equal(automatic.values(), nodes({{"grow", "smaller"}}).values()));
+  CHECK_FALSE(std::ranges::equal(automatic.values(), nodes({{"grow", "in_turn"}}).values()));
+}
+
+TEST_CASE("a guide of a tip needs one arm, or the name of a link", "[robot][guide][team]") {
+  const SphereModel team =
+      SphereModel::team({six_arm().based_at({{-0.8, 0, 0}, {}}), six_arm().based_at({{0.8, 0, 0}, {}})});
+  const Problem problem = problem_of(world_with({ball({0.0, 0.6, 0.7}, 0.15)}), team);
+  const PlannerSpec planner = PlannerSpec::make("rrt_connect", {{"proposals", 200000.0}, {"bound", 0.0}});
+  for (const std::string name : {"workspace", "skeleton"}) {
+    CAPTURE(name);
+    const GuideSpec tip = GuideSpec::make(name, {});
+    CHECK_THROWS_WITH(execute(tip >> planner, problem, 1), Contains(name + ": the robot") && Contains("2 tips") &&
+                                                               Contains("\"1/hand\", \"2/hand\"") &&
+                                                               Contains("decouple"));
+    const GuideSpec second = GuideSpec::make(name, {{"point", std::vector<std::string>{"2/hand"}}});
+    CHECK(execute(second >> planner, problem, 1).solved);
+    // The searches have one arm each.
+    CHECK(execute(tip >> GuideSpec::make("decouple", {}) >> planner, problem, 1).solved);
+    CHECK(execute(tip >> GuideSpec::make("team", {{"robots", std::vector<std::string>{"2"}}}) >> planner, problem, 1)
+              .solved);
+  }
+}
+
 TEST_CASE("a guide searches its space for an arm with two trees, unless it or a script names a planner",
           "[robot][guide]") {
   const Problem problem = problem_of(world_with({ball({0.5, 0.6, 0.7}, 0.15)}), six_arm());

@@ -30,11 +30,27 @@ Configurations TipProjection::lifted(const Configurations& path, View start, Vie
 
 namespace {
 
+/// The first link of a body.
+const std::string& link_of(const Manipulator& robot, std::size_t body) {
+  const auto& links = robot.tree().links();
+  std::size_t link = 0;
+  while (link + 1 < links.size() && robot.body_of(link) != body) ++link;
+  return links[link].name;
+}
+
 /// The point that a link's frame's origin is, of a robot whose joints move it.
 PointOnBody point_of(const std::string& guide, const SphereModel& robot, const std::string& link) {
+  const KinematicTree& tree = robot.robot().tree();
+  if (const std::vector<PointOnBody> tips = robot.tips(); link.empty() && tips.size() > 1) {
+    std::vector<std::string> names;
+    for (const PointOnBody& tip : tips) names.push_back(fmt::format("\"{}\"", link_of(robot.robot(), tip.body)));
+    throw Error(fmt::format(
+        "{0}: the robot '{1}' has {2} tips, and option 'point' does not say which: {3}, or another link; or guide its "
+        "arms one by one, as {0}() >> decouple() >> rrt_connect {{}}",
+        guide, tree.name(), tips.size(), fmt::join(names, ", ")));
+  }
   PointOnBody point = robot.tip();
   if (!link.empty()) {
-    const KinematicTree& tree = robot.robot().tree();
     const auto found = tree.find_link(link);
     if (!found) {
       std::vector<std::string> known;
@@ -46,7 +62,7 @@ PointOnBody point_of(const std::string& guide, const SphereModel& robot, const s
   }
   if (point.body == 0) {
     throw Error(fmt::format("{}: {} of the robot '{}' does not move", guide,
-                            link.empty() ? "the tip" : "link '" + link + "'", robot.robot().tree().name()));
+                            link.empty() ? "the tip" : "link '" + link + "'", tree.name()));
   }
   return point;
 }

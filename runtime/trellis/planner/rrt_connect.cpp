@@ -2,36 +2,48 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
+#include <trellis/scene/scene.hpp>
 
 namespace trellis {
 
 namespace {
 
+/// Which tree a proposal extends.
+enum class Grow : std::uint8_t { automatic, in_turn, smaller };
+
 struct RrtConnectSettings : CommonSettings {
   RrtConnectSettings() { goal_bias = 0.0; }
   double step = 0.5;
+  Grow grow = Grow::automatic;
 };
 
 const Settings<RrtConnectSettings>& rrt_connect_settings() {
   static const Settings<RrtConnectSettings> settings = with_common(
       Settings<RrtConnectSettings>(Component::Kind::planner, "rrt_connect",
                                    "two trees from start and goal, grown towards proposals and greedily to each other",
-                                   "Kuffner and LaValle 2000, RRT-Connect")
+                                   "Kuffner and LaValle 2000, RRT-Connect; LaValle 2006, Planning Algorithms, 5.5.3 "
+                                   "(balanced trees)")
           .number("step", &RrtConnectSettings::step, "m in the metric", Range::at_least(1e-6),
-                  "longest extension of a tree"));
+                  "longest extension of a tree")
+          .choice("grow", &RrtConnectSettings::grow,
+                  {{"auto", Grow::automatic}, {"in_turn", Grow::in_turn}, {"smaller", Grow::smaller}},
+                  "the tree that a proposal extends: \"in_turn\", each in turn; \"smaller\", the one with fewer "
+                  "nodes, so that the proposals go where a tree grows with difficulty, as from a goal in a shelf; "
+                  "\"auto\", \"smaller\" for an arm (a robot of robot.urdf), else \"in_turn\""));
   return settings;
 }
 
 class RrtConnect final : public TreePlanner {
  public:
   RrtConnect(const RrtConnectSettings& settings, PlannerContext context)
-      : TreePlanner(std::move(context)), step_(settings.step) {}
+      : TreePlanner(std::move(context)), step_(settings.step), balanced_(balances(settings.grow, context_.instance)) {}
 
  protected:
   [[nodiscard]] bool planted() const override { return trees_[0].has_value(); }
@@ -45,7 +57,7 @@ class RrtConnect final : public TreePlanner {
     trees_[0]->add(instance.start, 0);
     for (std::uint32_t i = 0; i < instance.goals.size(); ++i) trees_[1]->add(instance.goals[i], i);
     bridge_.reset();
-    active_ = 0;
+    last_ = 1;
     best_ = 0;
     const auto nearest = instance.nearest_goal(instance.start);
     best_distance_ = nearest.distance;
@@ -111,8 +123,7 @@ class RrtConnect final : public TreePlanner {
   }
 
   void iterate() override {
-    const std::size_t side = active_;
-    active_ = 1 - active_;
+    const std::size_t side = next_side();
     context_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
     draw();
     const Step step = step_towards(side, to_extend(*trees_[side], sample_), sample_);
@@ -137,6 +148,17 @@ class RrtConnect final : public TreePlanner {
     std::uint32_t start_side = 0;
     std::uint32_t goal_side = 0;
   };
+
+  [[nodiscard]] static bool balances(Grow grow, const Instance& instance) {
+    const bool arm = instance.scene != nullptr && instance.scene->manipulator() != nullptr;
+    return grow == Grow::smaller || (grow == Grow::automatic && arm);
+  }
+  /// The tree that the next proposal extends. Trees of one size take turns.
+  std::size_t next_side() {
+    const std::size_t other = 1 - last_;
+    if (!balanced_ || trees_[other]->size() <= trees_[last_]->size()) last_ = other;
+    return last_;
+  }
 
   [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
 
@@ -228,11 +250,12 @@ class RrtConnect final : public TreePlanner {
   }
 
   double step_;
+  bool balanced_;  ///< whether the smaller tree grows
   std::array<std::optional<Tree>, 2> trees_;
   std::array<std::optional<TreeRepair>, 2> repairs_;
   bool repairing_ = false;  ///< active after a change of the instance
   std::optional<Bridge> bridge_;
-  std::size_t active_ = 0;
+  std::size_t last_ = 1;  ///< tree that the last proposal extended
 };
 
 }  // namespace

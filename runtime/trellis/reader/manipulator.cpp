@@ -133,6 +133,11 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
     const auto values = values_of(files, tree, moving);
     try {
       return Manipulator(tree, moving, values);
+    } catch (const TreeError& e) {
+      // The joint under a mobile base is in no line of the file.
+      const auto line = urdf.joint_lines.find(tree.joints().at(e.number).name);
+      if (line == urdf.joint_lines.end()) throw Error(fmt::format("{}: {}", files.urdf, e.what()));
+      throw Error(fmt::format("{}:{}: {}", files.urdf, line->second, e.what()));
     } catch (const Error& e) {
       throw Error(fmt::format("{}: {}", files.urdf, e.what()));
     }

@@ -17,6 +17,7 @@ namespace trellis {
 struct UrdfFile {
   KinematicTree tree;
   std::vector<std::string> warnings;
+  std::map<std::string, std::size_t> joint_lines;  ///< in the file, by the joint's name
 };
 
 /// Reads the links, joints and collision geometry of a robot from a URDF file. Meshes are read from beside the file: of

@@ -75,8 +75,10 @@ class UrdfReader {
       if (kind != "link" && kind != "joint" && kind != "material") ignored.insert(kind);
     }
     for (const std::string& kind : ignored) warnings_.push_back(fmt::format("elements '{}' are ignored", kind));
+    std::map<std::string, std::size_t> lines;
+    for (std::size_t j = 0; j < joints_.size(); ++j) lines.emplace(joints_[j].name, joint_lines_[j]);
     try {
-      return {KinematicTree(name, std::move(links_), std::move(joints_)), std::move(warnings_)};
+      return {KinematicTree(name, std::move(links_), std::move(joints_)), std::move(warnings_), std::move(lines)};
     } catch (const TreeError& error) {
       const auto& lines = error.part == TreeError::Part::link ? link_lines_ : joint_lines_;
       throw text_.error(lines.at(error.number), error.what());

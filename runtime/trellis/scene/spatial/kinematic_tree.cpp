@@ -210,15 +210,19 @@ Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving,
   for (const std::size_t j : moving_) {
     const Joint& joint = joints.at(j);
     if (joint.width() == 0) {
-      throw Error(fmt::format("joint '{}' cannot move by itself: it {}", joint.name,
-                              joint.mimic ? fmt::format("follows '{}'", joints[joint.mimic->joint].name) : "is fixed"));
+      throw TreeError(
+          TreeError::Part::joint, j,
+          fmt::format("joint '{}' cannot move by itself: it {}", joint.name,
+                      joint.mimic ? fmt::format("follows '{}'", joints[joint.mimic->joint].name) : "is fixed"));
     }
     if (joint.kind == Joint::Kind::floating) {
-      throw Error(
+      throw TreeError(
+          TreeError::Part::joint, j,
           fmt::format("joint '{}' is floating: a robot with such a joint is a body that moves freely", joint.name));
     }
     if (joint.kind == Joint::Kind::planar && joint.parent != tree_.base()) {
-      throw Error(fmt::format("joint '{}' is planar and does not move the base", joint.name));
+      throw TreeError(TreeError::Part::joint, j,
+                      fmt::format("joint '{}' is planar and does not move the base", joint.name));
     }
     if (moves[j] != 0) throw Error(fmt::format("joint '{}' is named twice", joint.name));
     moves[j] = 1;
