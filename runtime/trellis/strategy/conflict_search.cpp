@@ -44,18 +44,11 @@ class ConflictSearch final : public Planner {
         guide_(guide),
         division_(std::move(division)),
         members_(context_.instance.scene->members()),
-        tries_left_(division_.tries) {
-    for (const TeamMember& member : members_) {
-      spaces_.push_back(std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), member.axes,
-                                                    name_of(members_, {spaces_.size()})));
-    }
-    std::vector<std::size_t> all(context_.instance.space.dimension());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    whole_ = std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), all, "team");
-  }
+        tries_left_(division_.tries) {}
 
   std::optional<Status> begin(const Budget&) override {
     Instance& instance = context_.instance;
+    if (spaces_.empty()) make_spaces();
     if (context_.search.nodes.empty()) {
       if (const auto invalid = remove_invalid_goals(instance)) return invalid;
       context_.search.nodes.push(instance.start);
@@ -111,9 +104,20 @@ class ConflictSearch final : public Planner {
     Configurations path;
   };
 
+  void make_spaces() {
+    for (const TeamMember& member : members_) {
+      spaces_.push_back(std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), member.axes,
+                                                    name_of(members_, {spaces_.size()})));
+    }
+    std::vector<std::size_t> all(context_.instance.space.dimension());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    whole_ = std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), all, "team");
+  }
+
   void begin_anew() {
     alone_.clear();
     path_ = {};
+    pairs_.clear();
     conflict_.reset();
     certifies_ = false;
     valid_to_ = 0;
