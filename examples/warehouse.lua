@@ -39,7 +39,7 @@ return experiment {
   problems   = { warehouse(8), warehouse(16), warehouse(24), warehouse(32) },
   strategies = {
     alone = rrt_connect { proposals = 2000 }, prioritise = prioritise() >> planner,
-    couple = couple { tries = 4 } >> planner,
+    couple = couple() >> planner,
   },
   seeds      = 3,
   baseline   = "alone",

@@ -28,7 +28,7 @@ return experiment {
     { "hand >> arm", hand >> arm >> planner },
     { "arm",         arm >> planner },
     { "hand",        hand >> planner },
-    { "couple",      couple { planner = rrt_connect { step = 1 } } >> within(8) },
+    { "couple",      couple { where = "path", planner = rrt_connect { step = 1 } } >> within(8) },
   },
   seeds   = 1,
   measure = false,

@@ -25,6 +25,7 @@ return experiment {
     { "hand >> team", workspace { point = "left_hand" } >> left >> planner },
     { "prioritise",   prioritise { planner = inner } >> planner },
     { "couple",       couple { planner = inner } >> planner },
+    { "joined",       couple { where = "path", planner = inner } >> planner },
   },
   seeds   = 1,
   measure = false,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
 #include <boost/math/special_functions/erf.hpp>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -374,6 +375,59 @@ TEST_CASE("The legacy reading is the divergence of two histograms over position,
     CHECK(std::isnan(e.light_value));
     CHECK(std::isnan(e.js));
   }
+}
+
+TEST_CASE("Mass and divergence of a product of 96 dimensions are those of its closed form") {
+  constexpr std::size_t d = 96;
+  constexpr double n = d - 1;  // dimensions across the path
+  const Space space("many", std::vector<Axis>(d, Axis{"x", 0.0, 10.0, 1.0, false}));
+  Configuration from(d, 5.0), to(d, 5.0);
+  from[0] = 2.0;
+  to[0] = 8.0;
+  Configurations path(d);
+  path.push(from);
+  path.push(to);
+  TubeSettings settings;
+  settings.distance = TubeSettings::Distance::full;
+  settings.delta = 1.0;
+  settings.pool = settings.points = 4096;
+  const Target target(
+      space, path, {}, settings, [](View) { return true; }, 1);
+  // Uniform along the path, normal across it.
+  const double variance = 0.25;
+  const auto density = [&](View x) {
+    double squares = 0.0;
+    for (std::size_t j = 1; j < d; ++j) squares += (x[j] - 5.0) * (x[j] - 5.0);
+    return 0.1 * std::exp(-0.5 * squares / variance - 0.5 * n * std::log(2.0 * std::numbers::pi * variance));
+  };
+  // No sample lies in the target, so that counting says nothing.
+  Configurations outside(d);
+  for (int i = 0; i < 8; ++i) outside.push(Configuration(d, 1.0));
+  const Efficiency e = by(EstimatorSpec::make("exact"), target, outside, 0, density);
+  // The volumes of the cylinder and of the two half balls at its ends, and the means of the squared distance there.
+  const auto log_ball = [](double k) { return 0.5 * k * std::log(std::numbers::pi) - std::lgamma(0.5 * k + 1.0); };
+  const double cylinder = 6.0 * std::exp(log_ball(n) - log_ball(n + 1));
+  const double log_volume = log_ball(n + 1) + std::log(cylinder + 1.0);
+  const double squares = (cylinder * n / (n + 2.0) + n / (n + 3.0)) / (cylinder + 1.0);
+  const double divergence =
+      -log_volume - std::log(0.1) + 0.5 * squares / variance + 0.5 * n * std::log(2.0 * std::numbers::pi * variance);
+  CHECK(e.unregularised == Approx(divergence).epsilon(0).margin(0.06));
+  // The mass of the capsule: a chi-square probability, over the cylinder and at each distance beyond its ends.
+  const auto within = [&](double square) { return boost::math::gamma_p(0.5 * n, 0.5 * square / variance); };
+  double ends = 0.0;
+  constexpr int steps = 2000;
+  for (int i = 0; i < steps; ++i) {
+    const double t = (i + 0.5) / steps;
+    ends += within(1.0 - t * t) / steps;
+  }
+  const double mass = -std::log(0.6 * within(1.0) + 0.2 * ends);
+  CHECK(e.unregularised_parts.mass == Approx(mass).epsilon(0).margin(0.06));
+  // Uniform samples: the share of the capsule in the space.
+  const double log_space = static_cast<double>(d) * std::log(10.0);
+  const Efficiency uniform =
+      by(EstimatorSpec::make("exact"), target, outside, 0, [&](View) { return std::exp(-log_space); });
+  CHECK(uniform.unregularised == Approx(log_space - log_volume).epsilon(0).margin(0.06));
+  CHECK(uniform.gain == Approx(0.0).epsilon(0).margin(1e-9));
 }
 
 TEST_CASE("Known densities are integrated, not estimated", "[slow]") {

@@ -77,6 +77,42 @@ TEST_CASE("The volume of a capsule in the plane is 2 delta L + pi delta^2") {
   CHECK(volume(all) == Approx(100.0).epsilon(1e-9));
 }
 
+TEST_CASE("The volume of a capsule of many dimensions is that of its cylinder and its ball") {
+  for (const std::size_t d : {std::size_t{17}, std::size_t{96}}) {
+    CAPTURE(d);
+    std::vector<Axis> axes(d, Axis{"x", 0.0, 10.0, 1.0, false});
+    // In metric coordinates all axes but these have the same length.
+    axes[1] = {"wide", 0.0, 20.0, 0.5, false};
+    axes[2] = {"turn", -20.0, 20.0, 1.0, true};
+    const Space space("many", axes);
+    Configuration from(d, 5.0), to(d, 5.0);
+    from[0] = 2.0;
+    to[0] = 8.0;
+    from[1] = to[1] = 10.0;
+    // The path crosses the end of the period.
+    from[2] = 19.9;
+    to[2] = -19.9;
+    const double delta = 1.0;
+    TubeSettings settings = tube("full", delta);
+    settings.pool = settings.points = 2048;
+    const Target target(space, path_of({from, to}), {}, settings, anywhere, 1);
+    const auto log_ball = [](double n) { return 0.5 * n * std::log(pi) - std::lgamma(0.5 * n + 1.0); };
+    const auto n = static_cast<double>(d);
+    const double length = std::hypot(6.0, 0.2);
+    const double expected = std::log(length * std::exp(log_ball(n - 1) - log_ball(n)) + 1.0) + log_ball(n);
+    CHECK(target.log_volume() == Approx(expected).epsilon(0).margin(0.05));
+    REQUIRE(target.evaluation_points() == 2048);
+    // Uniform in the capsule: across the path, each coordinate has the variance delta^2 / (n + 1).
+    double squares = 0.0;
+    for (std::size_t i = 0; i < target.pool().size(); ++i) {
+      const View x = target.pool()[i];
+      REQUIRE(target.contains(x));
+      squares += (x[d - 1] - 5.0) * (x[d - 1] - 5.0);
+    }
+    CHECK(squares / static_cast<double>(target.pool().size()) == Approx(delta * delta / (n + 1)).epsilon(0.1));
+  }
+}
+
 TEST_CASE("A wall takes its part of the free tube, and support all leaves it there") {
   const Space plane = Space::euclidean({{0, 10}, {0, 10}});
   int calls = 0;

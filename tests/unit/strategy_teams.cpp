@@ -2,8 +2,10 @@
 // Teams of robots: their collision checks, the guides that divide them, and the times of their paths.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/error.hpp>
@@ -11,6 +13,7 @@
 #include <trellis/guide/schedule.hpp>
 #include <trellis/guide/team.hpp>
 #include <trellis/guide/team_space.hpp>
+#include <trellis/planner/pruning.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/team_times.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -42,14 +45,46 @@ Problem corridor() {
                             Robot::team({Robot::disc(0.4), Robot::disc(0.4)}), {1, 5, 9, 5}, {9, 5, 1, 5});
 }
 
+/// Discs of radius 0.3 among shelves, each from one place of a grid to another (examples/warehouse.lua).
+Problem warehouse(std::size_t count) {
+  test::Rectangles shelves;
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 3; ++k) shelves.push_back({3.0 + 4 * i, 3.0 + 5 * k, 5.0 + 4 * i, 6.0 + 5 * k});
+  }
+  std::vector<Vec2> places;
+  for (int i = 0; i <= 10; ++i) {
+    for (int k = 0; k <= 10; ++k) {
+      const Vec2 place{1.0 + 1.8 * i, 1.0 + 1.8 * k};
+      if (std::none_of(shelves.begin(), shelves.end(), [&](const auto& shelf) {
+            return place.x > shelf[0] - 0.5 && place.x < shelf[2] + 0.5 && place.y > shelf[1] - 0.5 &&
+                   place.y < shelf[3] + 0.5;
+          })) {
+        places.push_back(place);
+      }
+    }
+  }
+  Configuration start, goal;
+  for (std::size_t i = 1; i <= count; ++i) {
+    const Vec2 from = places[i * 23 % places.size()], to = places[(i * 41 + 7) % places.size()];
+    start.insert(start.end(), {from.x, from.y});
+    goal.insert(goal.end(), {to.x, to.y});
+  }
+  return test::make_problem("warehouse", test::rectangle_world(shelves, 20.0),
+                            Robot::team(std::vector(count, Robot::disc(0.3))), start, goal);
+}
+
 /// A disc, a bar that turns and an arm.
 Robot mixed_team() {
   return Robot::team({Robot::disc(0.5), test::rectangle_robot(1.6, 0.3),
                       Robot::arm({.links = {1.5, 1.2, 0.8}, .widths = {0.2, 0.2, 0.1}, .base = {5, 5}})});
 }
 
+/// \param guide  its name; "joined": couple with where = "path"
 StrategySpec guided(const std::string& guide, const std::vector<Options::Entry>& planner = {{"bound", 0.0}}) {
-  return GuideSpec::make(guide, {}) >> PlannerSpec::make("rrt_connect", planner);
+  const bool joined = guide == "joined";
+  return GuideSpec::make(joined ? "couple" : guide, joined ? std::vector<Options::Entry>{{"where", std::string("path")}}
+                                                           : std::vector<Options::Entry>()) >>
+         PlannerSpec::make("rrt_connect", planner);
 }
 
 /// Whether all robots of a planar team are free of each other and of obstacles, robot by robot, by checkers of two.
@@ -186,7 +221,7 @@ TEST_CASE("a part of a team is the team of its robots, one robot a robot alone",
 
 TEST_CASE("guides that divide a team find valid paths of all robots", "[team]") {
   for (const Problem& problem : {ring(6, 0.7), test::team_problem()}) {
-    for (const char* guide : {"prioritise", "couple"}) {
+    for (const char* guide : {"prioritise", "couple", "joined"}) {
       for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         CAPTURE(problem.name, guide, seed);
         const RunRecord run = execute(guided(guide), problem, seed);
@@ -200,6 +235,38 @@ TEST_CASE("guides that divide a team find valid paths of all robots", "[team]") 
   }
 }
 
+TEST_CASE("the path of a divided team is certified when it is found, and has few configurations", "[team]") {
+  // Between two checked configurations the paths of these seeds touched another robot, or had one configuration for
+  // each proposal of the root's budget.
+  for (const auto& [count, seed] : {std::pair<std::size_t, std::uint64_t>{16, 6}, {24, 3}, {24, 6}}) {
+    CAPTURE(count, seed);
+    const Problem problem = warehouse(count);
+    const RunRecord run = execute(guided("prioritise", {{"bound", 0.0}, {"proposals", 2000.0}}), problem, seed);
+    REQUIRE(run.solved);
+    CHECK(run.refuted_paths == 0);
+    CHECK(run.path.size() < 20 * count);
+    if (count == 16) check_path(problem, run.path);
+  }
+}
+
+TEST_CASE("pruning leaves out the configurations between which the motion is valid", "[team]") {
+  Configurations path(1);
+  for (const double x : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) path.push(Configuration{x});
+  const auto pruned = [&](const std::function<bool(double, double)>& valid) {
+    PathPruning pruning(path, [&](View a, View b) { return valid(a[0], b[0]); });
+    while (!pruning.done()) pruning.step();
+    const auto values = pruning.path().values();
+    return std::vector<double>(values.begin(), values.end());
+  };
+  CHECK(pruned([](double, double) { return true; }) == std::vector<double>{0, 7});
+  CHECK(pruned([](double, double) { return false; }) == std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7});
+  // No motion passes 4.
+  CHECK(pruned([](double a, double b) { return b <= 4.0 || a >= 4.0; }) == std::vector<double>{0, 4, 7});
+  Configurations one(1);
+  one.push(Configuration{2.0});
+  CHECK(PathPruning(one, [](View, View) { return true; }).done());
+}
+
 TEST_CASE("robots that cannot pass each other on their paths plan together", "[team]") {
   const Problem problem = corridor();
   // Alone, either robot goes straight through the corridor: no schedule of these paths exists.
@@ -211,20 +278,63 @@ TEST_CASE("robots that cannot pass each other on their paths plan together", "[t
                          [&](const LevelRecord& level) { return level.name == name; });
   };
   CHECK(named(alone, "robots 1, 2") == 0);
+  const RunRecord joined = execute(guided("joined"), problem, 1);
+  REQUIRE(joined.solved);
+  CHECK(named(joined, "robots 1, 2") == 1);
+  check_path(problem, joined.path);
   const RunRecord together = execute(guided("couple"), problem, 1);
   REQUIRE(together.solved);
-  CHECK(named(together, "robots 1, 2") == 1);
+  CHECK(named(together, "robots 1, 2") >= 1);
   check_path(problem, together.path);
+}
+
+TEST_CASE("only robots in conflict leave their paths, and only about the conflict", "[team]") {
+  // Robots 1 and 2 meet half-way in a corridor wide enough to pass, far from robot 3, which crosses nothing.
+  const Problem problem =
+      test::make_problem("meeting", test::rectangle_world({{0, 0, 20, 8.5}, {0, 11.5, 20, 12}}, 20.0),
+                         Robot::team({Robot::disc(0.4), Robot::disc(0.4), Robot::disc(0.4)}), {1, 10, 19, 10, 1, 16},
+                         {19, 10, 1, 10, 19, 16});
+  const RunRecord run = execute(guided("couple"), problem, 1);
+  REQUIRE(run.solved);
+  check_path(problem, run.path);
+  int windows = 0;
+  for (const LevelRecord& level : run.levels) {
+    if (level.name != "robots 1, 2") {
+      CHECK(level.name.find(", 3") == std::string::npos);
+      continue;
+    }
+    ++windows;
+    // The window begins and ends near the meeting, not at the ends of the paths.
+    CHECK(level.start[0] > 5.0);
+    CHECK(level.start[2] < 15.0);
+    CHECK(level.goal[0] < 15.0);
+    CHECK(level.goal[2] > 5.0);
+  }
+  CHECK(windows >= 1);
+}
+
+TEST_CASE("thirty-two discs in a warehouse are coupled where they conflict", "[team]") {
+  const Problem problem = warehouse(32);
+  for (const char* guide : {"prioritise", "couple"}) {
+    CAPTURE(guide);
+    const RunRecord run = execute(guided(guide, {{"bound", 0.0}, {"proposals", 2000.0}}), problem, 1);
+    REQUIRE(run.solved);
+    CHECK(run.certified);
+    CHECK(run.refuted_paths == 0);
+  }
 }
 
 TEST_CASE("a divided team has the same bytes for the same seed, and other paths for another", "[team]") {
   const Problem problem = ring(6, 0.6);
-  const RunRecord a = execute(guided("prioritise"), problem, 3);
-  const RunRecord b = execute(guided("prioritise"), problem, 3);
-  const RunRecord c = execute(guided("prioritise"), problem, 4);
-  CHECK(std::ranges::equal(a.path.values(), b.path.values()));
-  CHECK(a.validity_checks == b.validity_checks);
-  CHECK_FALSE(std::ranges::equal(a.path.values(), c.path.values()));
+  for (const char* guide : {"prioritise", "couple", "joined"}) {
+    CAPTURE(guide);
+    const RunRecord a = execute(guided(guide), problem, 3);
+    const RunRecord b = execute(guided(guide), problem, 3);
+    const RunRecord c = execute(guided(guide), problem, 4);
+    CHECK(std::ranges::equal(a.path.values(), b.path.values()));
+    CHECK(a.validity_checks == b.validity_checks);
+    CHECK_FALSE(std::ranges::equal(a.path.values(), c.path.values()));
+  }
 }
 
 TEST_CASE("a guide of single robots guides each robot of a divided team", "[team]") {
@@ -273,7 +383,7 @@ TEST_CASE("the robots of a divided team go to one goal of several", "[team]") {
   Configuration turned = problem.start;
   std::rotate(turned.begin(), turned.begin() + 2, turned.end());
   problem.goals.push_back(turned);
-  for (const char* guide : {"prioritise", "couple"}) {
+  for (const char* guide : {"prioritise", "couple", "joined"}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       CAPTURE(guide, seed);
       const RunRecord run = execute(guided(guide), problem, seed);
@@ -291,7 +401,7 @@ TEST_CASE("the robots of a divided team go to one goal of several", "[team]") {
 
 TEST_CASE("the bounded loss of a guided run holds for teams", "[team]") {
   const Problem problem = ring(6, 0.5);
-  for (const char* guide : {"team", "decouple", "prioritise", "couple"}) {
+  for (const char* guide : {"team", "decouple", "prioritise", "couple", "joined"}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       CAPTURE(guide, seed);
       const RunRecord alone = execute(PlannerSpec::make("rrt_connect", {}), problem, seed);

@@ -37,8 +37,9 @@ struct Entry {
 /// Measured by `scripts/bench-work`: CPU times in the worlds of scripts/pays, divided by those of a check, 0.07 us in
 /// the plane and 0.3 us in space. Those of the mazes and of clutter are within a factor of 3 of these. The entries of
 /// workspace and decomposition include the beginning of their first search, which prepares the whole graph; those of
-/// team, decouple, prioritise and couple are those of joints and of identity, whose projections they share; that of
-/// learned, which needs a model, is the CPU time of its h, from a grid of 67 x 67 cells.
+/// team, decouple, prioritise and couple are those of eight discs without obstacles, by `bench_work` on
+/// examples/many_robots.lua (5.2, 2.6, 2.3 and 2.4 us), and in space those of joints and of identity; that of learned,
+/// which needs a model, is the CPU time of its h, from a grid of 67 x 67 cells.
 constexpr std::array<Entry, 30> entries = {{
     {"uniform", {{}, {10}}, {{}, {10}}},
     {"goal_bias", {{}, {10}}, {{}, {10}}},
@@ -66,10 +67,10 @@ constexpr std::array<Entry, 30> entries = {{
     {"path_database", {{}, {100}}, {{}, {100}}},
     {"experience", {{}, {100}}, {{}, {100}}},
     {"learned", {{}, {450000}}, {{}, {450000}}},
-    {"team", {{}, {110, 0.5}}, {{}, {60}}},
-    {"decouple", {{}, {30}}, {{}, {30}}},
-    {"prioritise", {{}, {30}}, {{}, {30}}},
-    {"couple", {{}, {30}}, {{}, {30}}},
+    {"team", {{}, {75, 0.5}}, {{}, {60}}},
+    {"decouple", {{}, {40}}, {{}, {30}}},
+    {"prioritise", {{}, {35}}, {{}, {30}}},
+    {"couple", {{}, {35}}, {{}, {30}}},
 }};
 
 /// Work per stored path that a guide retrieves, in the same units; 0 for other guides.

@@ -21,6 +21,7 @@ struct TeamPathSettings : PathGuideSettings {
   std::vector<std::string> order;
   std::int64_t tries = 64;
   std::int64_t robot_effort = 5000;
+  bool windows = true;
 };
 
 Settings<TeamPathSettings> with_team_options(Settings<TeamPathSettings> settings) {
@@ -59,12 +60,19 @@ const Settings<TeamPathSettings>& prioritise_settings() {
 }
 
 const Settings<TeamPathSettings>& couple_settings() {
-  static const auto settings = with_team_options(Settings<TeamPathSettings>(
-      Component::Kind::guide, "couple",
-      "as decouple; where two robots, or groups of robots, cannot pass each other on their "
-      "paths, they become one group that plans together, until all groups pass or all are one",
-      "Standley 2010, independence detection; Wagner and Choset 2015, subdimensional expansion; "
-      "Solis et al. 2024, adaptive robot coordination"));
+  static const auto settings =
+      with_team_options(Settings<TeamPathSettings>(
+                            Component::Kind::guide, "couple",
+                            "as decouple; robots that cannot pass each other on their paths plan together: where = "
+                            "\"path\" makes them one "
+                            "group, until all groups pass or all are one; where = \"conflict\" changes their paths "
+                            "only for a while about "
+                            "each conflict, while the others move along theirs",
+                            "Standley 2010, independence detection; Wagner and Choset 2015, subdimensional expansion; "
+                            "Solis et al. 2024, adaptive robot coordination"))
+          .choice("where", &TeamPathSettings::windows, {{"path", false}, {"conflict", true}},
+                  "which part of their paths robots in conflict plan together: \"path\", all of it; \"conflict\", that "
+                  "about the conflict, and more of it where that has no solution");
   return settings;
 }
 
@@ -157,7 +165,10 @@ TeamDivision division_of(const std::string& guide, const Options& options, const
   const TeamPathSettings settings = ordered             ? prioritise_settings().read(options)
                                     : guide == "couple" ? couple_settings().read(options)
                                                         : decouple_settings().read(options);
-  division.how = ordered ? Coordination::order : guide == "couple" ? Coordination::conflicts : Coordination::alone;
+  division.how = ordered             ? Coordination::order
+                 : guide != "couple" ? Coordination::alone
+                 : settings.windows  ? Coordination::windows
+                                     : Coordination::conflicts;
   division.effort = settings.robot_effort;
   division.tries = settings.tries;
   division.order = members_named(guide, settings.order, members);

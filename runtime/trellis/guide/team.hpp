@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,17 +11,21 @@
 
 namespace trellis {
 
+class RobotsPath;
+
 /// How a guide of a team finds the path of the whole team.
 enum class Coordination : std::uint8_t {
-  alone,     ///< each robot finds a path alone; then all move along theirs, and only when is searched
-  order,     ///< one robot after another, each with those before it, which move along the path found
-  conflicts  ///< as `alone`; robots whose paths cannot be passed one after the other are joined and plan together
+  alone,      ///< each robot finds a path alone; then all move along theirs, and only when is searched
+  order,      ///< one robot after another, each with those before it, which move along the path found
+  conflicts,  ///< as `alone`; robots whose paths cannot be passed one after the other are joined and plan together
+  windows     ///< as `alone`; robots leave their paths only about a conflict, and plan together there
 };
 
 /// How the search of S divides by robots.
 struct TeamDivision {
   Coordination how = Coordination::alone;
-  std::vector<std::size_t> order;  ///< of `order`: the members, from 0 on; all of them
+  std::vector<std::size_t> order;           ///< of `order`: the members, from 0 on; all of them, but those of `given`
+  std::shared_ptr<const RobotsPath> given;  ///< of `order`: a path that the other members follow; nullptr: none
   std::int64_t tries = 1;
   std::int64_t effort = 1;  ///< proposals of each search
 };

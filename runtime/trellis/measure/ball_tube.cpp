@@ -56,11 +56,18 @@ void BallTube::choose_spaces() {
   rest_ = product_of(rest);
 }
 
-Configuration BallTube::measured(View y) const {
+Configuration BallTube::measured_of_row(View y) const {
+  if (!frame_.flat()) return measured(y);
+  Configuration x(frame_.dimension());
+  frame_.to_raw(y, x);
+  return measured(x);
+}
+
+Configuration BallTube::measured(View x) const {
   Configuration z(space_.dimension());
   for (const Column& column : columns_) {
     if (!column.measured) continue;
-    std::copy_n(y.begin() + static_cast<std::ptrdiff_t>(column.row), column.width,
+    std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(column.row), column.width,
                 z.begin() + static_cast<std::ptrdiff_t>(column.part));
   }
   return z;
@@ -127,7 +134,10 @@ void BallTube::choose_centres() {
       centres_ = evenly_spread(space_, ends_, static_cast<std::size_t>(count));
     }
   }
-  cover_volume_ = std::exp(log_volume + rest_.log_volume());
+  log_cover_volume_ = log_volume + rest_.log_volume();
+  for (std::size_t i = 1; i < centres_.size(); ++i) {
+    pace_ = std::max(pace_, space_.distance(std::as_const(centres_)[i - 1], std::as_const(centres_)[i]));
+  }
 }
 
 BallTube::Nearest BallTube::nearest(View z, double horizon) const {
@@ -171,14 +181,14 @@ bool BallTube::holds(View z) const {
   return false;
 }
 
-bool BallTube::contains(View y) const { return holds(measured(y)); }
+bool BallTube::contains(View y) const { return holds(measured_of_row(y)); }
 
 double BallTube::distance(View y) const {
-  return std::sqrt(nearest(measured(y), std::numeric_limits<double>::infinity()).squared_distance);
+  return std::sqrt(nearest(measured_of_row(y), std::numeric_limits<double>::infinity()).squared_distance);
 }
 
 double BallTube::along(View y) const {
-  return std::min(length_, nearest(measured(y), std::numeric_limits<double>::infinity()).arc);
+  return std::min(length_, nearest(measured_of_row(y), std::numeric_limits<double>::infinity()).arc);
 }
 
 std::size_t BallTube::unit_dimension() const {
@@ -190,7 +200,14 @@ double BallTube::multiplicity(View z, std::size_t own, View tangent) const {
   double sum = std::exp(-space_.log_jacobian(tangent));
   std::vector<double> other(space_.degrees());
   for (std::size_t i = 0; i < centres_.size(); ++i) {
-    if (i == own || space_.squared_distance(std::as_const(centres_)[i], z) >= reach_ * reach_) continue;
+    if (i == own) continue;
+    const double squared = space_.squared_distance(std::as_const(centres_)[i], z);
+    if (squared >= reach_ * reach_) {
+      // By the triangle inequality neither contain it those that follow for a while.
+      const double beyond = std::sqrt(squared) - reach_;
+      if (pace_ > 0.0) i += static_cast<std::size_t>((1.0 - 1e-9) * beyond / pace_);
+      continue;
+    }
     space_.log(std::as_const(centres_)[i], z, other);
     sum += std::exp(-space_.log_jacobian(other));
   }
@@ -218,6 +235,7 @@ bool BallTube::draw(View unit, MutableView y) const {
                 y.begin() + static_cast<std::ptrdiff_t>(column.row));
   }
   frame_.space().normalise(y);
+  if (frame_.flat()) frame_.to_metric(Configuration(y.begin(), y.end()), y);
   return true;
 }
 

@@ -8,7 +8,7 @@
 
 namespace trellis::measure {
 
-/// The tube of a space with rotations, in any number of dimensions.
+/// The tube of a space with rotations, or of many axes, in any number of dimensions.
 ///
 /// The cover is the union of balls about centres along P, each counted as often as it overlaps others: a centre, a
 /// point uniform in the ball of tangent vectors there, and `exp` of it. A point x of the space then has the density (1
@@ -27,7 +27,7 @@ class BallTube : public Tube {
   [[nodiscard]] double distance(View y) const override;
   [[nodiscard]] double length() const override { return length_; }
   [[nodiscard]] double along(View y) const override;
-  [[nodiscard]] double cover_volume() const override { return cover_volume_; }
+  [[nodiscard]] double log_cover_volume() const override { return log_cover_volume_; }
   [[nodiscard]] std::size_t unit_dimension() const override;
   bool draw(View unit, MutableView y) const override;
 
@@ -48,7 +48,10 @@ class BallTube : public Tube {
   void choose_spaces();
   void cut_path(const Configurations& path);
   void choose_centres();
-  [[nodiscard]] Configuration measured(View y) const;
+  /// The measured part of a configuration.
+  [[nodiscard]] Configuration measured(View x) const;
+  /// The measured part of the configuration of a row.
+  [[nodiscard]] Configuration measured_of_row(View y) const;
   /// Returns the nearest point of P, exact where it is nearer than `horizon`.
   [[nodiscard]] Nearest nearest(View z, double horizon) const;
   /// Whether a point lies nearer to P than the radius.
@@ -65,7 +68,8 @@ class BallTube : public Tube {
   double length_ = 0.0;
   Configurations centres_;  ///< of the cover's balls
   double reach_ = 0.0;      ///< their radius
-  double cover_volume_ = 0.0;
+  double pace_ = 0.0;       ///< the largest distance from one to the next
+  double log_cover_volume_ = 0.0;
 };
 
 }  // namespace trellis::measure

@@ -378,6 +378,8 @@ bool GridTube::contains(View y) const {
   return near(*cell, z.data());
 }
 
+double GridTube::log_cover_volume() const { return std::log(cover_volume_); }
+
 std::size_t GridTube::cell_at(double volume) const {
   const std::size_t last = cumulative_.size() - 1;
   if (rest_.empty()) {

@@ -11,7 +11,7 @@
 
 namespace trellis::measure {
 
-/// The tube of a flat space.
+/// The tube of a flat space of few axes.
 ///
 /// A cover of small grid cells around P has two uses: quasi Monte Carlo points drawn from it mostly lie in the tube,
 /// and a membership test needs only the pieces of P near the point's cell. The grid spans the first three axes of the
@@ -26,7 +26,7 @@ class GridTube : public Tube {
   [[nodiscard]] double distance(View y) const override;
   [[nodiscard]] double length() const override { return length_; }
   [[nodiscard]] double along(View y) const override;
-  [[nodiscard]] double cover_volume() const override { return cover_volume_; }
+  [[nodiscard]] double log_cover_volume() const override;
   [[nodiscard]] std::size_t unit_dimension() const override { return frame_.dimension() + 1; }
   bool draw(View unit, MutableView y) const override;
 

@@ -219,7 +219,7 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
   if (!pool_.empty()) {
     free_share_ = static_cast<double>(pool_.size()) / static_cast<double>(checked);
     const double tube_share = static_cast<double>(in_tube) / static_cast<double>(drawn);
-    log_volume_ = std::log(tube_->cover_volume()) + std::log(tube_share) + std::log(free_share_);
+    log_volume_ = tube_->log_cover_volume() + std::log(tube_share) + std::log(free_share_);
     log_volume_error_ = std::hypot(relative_error(tube_share, drawn), relative_error(free_share_, checked));
   } else {
     free_share_ = 0.0;

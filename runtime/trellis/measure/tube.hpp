@@ -10,7 +10,7 @@
 namespace trellis::measure {
 
 /// The geometry of a tube { x in C : d(x, P) < radius }, with d over all axes or over a subset of them. Points are rows
-/// of the frame. Flat spaces have a `GridTube`, those with rotations a `BallTube`.
+/// of the frame. Flat spaces have a `GridTube`, those with rotations, or of many axes, a `BallTube`.
 class Tube {
  public:
   virtual ~Tube() = default;
@@ -28,8 +28,8 @@ class Tube {
   [[nodiscard]] virtual double length() const = 0;
   [[nodiscard]] virtual double along(View y) const = 0;
 
-  /// Returns the volume of the cover, which contains the whole tube within C.
-  [[nodiscard]] virtual double cover_volume() const = 0;
+  /// Returns the logarithm of the volume of the cover, which contains the whole tube within C.
+  [[nodiscard]] virtual double log_cover_volume() const = 0;
   /// Returns the number of coordinates of the unit cube that `draw` maps.
   [[nodiscard]] virtual std::size_t unit_dimension() const = 0;
   /// Maps a point of the unit cube to the cover with uniform density. \return whether the point lies in the tube: the

@@ -160,6 +160,13 @@ class RrtConnect final : public TreePlanner {
     return last_;
   }
 
+  /// The tree that a coming step is likely to extend.
+  [[nodiscard]] std::size_t side_ahead(std::size_t step) const {
+    const std::size_t turn = (1 - last_ + step) % 2;
+    if (!balanced_ || trees_[0]->size() == trees_[1]->size()) return turn;
+    return trees_[0]->size() < trees_[1]->size() ? 0 : 1;
+  }
+
   [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
 
   /// Whether the motion to a node of a tree from its parent is still valid.
@@ -197,7 +204,7 @@ class RrtConnect final : public TreePlanner {
   }
   /// Computes the extension of a tree, and that of the other one towards the new node.
   void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const override {
-    const std::size_t side = (active_ + step) % 2;
+    const std::size_t side = side_ahead(step);
     // The other tree reaches farther seldom.
     constexpr int most_steps = 16;
     const auto& space = context_.instance.space;

@@ -52,7 +52,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
             !guides_searches_of(*spec.below(), 1)) {
           throw Error(
               fmt::format("{0} guides no search of {1}, which have one robot each; use {0} in place of {1}, or "
-                          "above couple()",
+                          "above couple {{ where = \"path\" }}",
                           spec.below()->text_alone(), spec.name()));
         }
         level_->divide(std::move(division), spec.below());

@@ -14,6 +14,7 @@
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
+#include <trellis/strategy/conflict_search.hpp>
 #include <trellis/strategy/split_search.hpp>
 #include <trellis/strategy/team_search.hpp>
 
@@ -139,6 +140,9 @@ std::unique_ptr<Planner> Level::make_planner() {
                          guidance_.guided(), run_.helpers};
   if (division_) {
     const GuideSpec* guide = guide_spec_ ? &*guide_spec_ : nullptr;
+    if (division_->how == Coordination::windows) {
+      return make_conflict_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
+    }
     return make_team_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
   }
   if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(context));

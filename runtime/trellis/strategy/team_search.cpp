@@ -18,7 +18,10 @@
 
 #include <trellis/guide/schedule.hpp>
 #include <trellis/guide/team_space.hpp>
+#include <trellis/instance/certified_validity.hpp>
 #include <trellis/planner/loop.hpp>
+#include <trellis/planner/pruning.hpp>
+#include <trellis/strategy/team_parts.hpp>
 
 namespace trellis {
 
@@ -52,6 +55,7 @@ class TeamSearch final : public Planner {
       groups_.clear();
       passing_.clear();
       all_scheduled_ = false;
+      certifies_ = false;
       tries_left_ = division_.tries;
     }
     if (instance.to_goal(instance.start) > instance.goal_tolerance) return std::nullopt;
@@ -62,6 +66,7 @@ class TeamSearch final : public Planner {
   [[nodiscard]] bool draws() const override { return false; }
 
   std::optional<Status> step() override {
+    if (pruning_) return prune();
     if (timetable_) return schedule();
     if (current_ == nullptr) {
       if (tries_left_ <= 0) return Status::budget_spent;
@@ -79,12 +84,21 @@ class TeamSearch final : public Planner {
     if (advance == Advance::unfinished) return std::nullopt;
     Level& ended = *std::exchange(current_, nullptr);
     if (ended.record().solution.status == Status::interrupted) return Status::interrupted;
-    if (advance == Advance::found) {
-      take(space_->placed(shortened(ended)));
-    } else {
+    if (advance == Advance::nothing) {
+      certifies_ = false;
       fail();
+      return std::nullopt;
     }
-    return found_ ? std::optional(Status::solved) : std::nullopt;
+    const Configurations path = shortened(run_, ended);
+    // What touches another robot between two checked configurations leads nowhere: again, and then each motion is
+    // certified.
+    if (!certifies_ && !certified(ended.instance(), path)) {
+      certifies_ = true;
+      return std::nullopt;
+    }
+    certifies_ = false;
+    begin_pruning(space_->placed(path), space_->axes());
+    return std::nullopt;
   }
 
   [[nodiscard]] Solution solution(Status status) override {
@@ -125,9 +139,15 @@ class TeamSearch final : public Planner {
   /// Begins the next search.
   void begin_part() {
     if (groups_.empty()) {
+      if (division_.given) groups_.push_back({members_along(*division_.given), *division_.given});
       for (const std::size_t i : division_.order) groups_.push_back({{i}, {}});
       if (division_.how != Coordination::order) {
         std::sort(groups_.begin(), groups_.end(), [](const Group& a, const Group& b) { return a.robots < b.robots; });
+      }
+      if (division_.given) {
+        blocking_.clear();
+        find_blocking(0);
+        groups_.front().blocking = blocking_;
       }
     }
     const auto next = std::find_if(groups_.begin(), groups_.end(), [](const Group& group) { return !group.path; });
@@ -145,7 +165,16 @@ class TeamSearch final : public Planner {
       waits_ = !waiting_.empty();
       if (auto path = with_waiting(place, waiting_)) along.push_back(std::move(*path));
     }
-    begin_search(std::move(along), next->robots, name_of(next->robots), guide_for(next->robots.size()));
+    begin_search(std::move(along), next->robots, name_of(members_, next->robots), guide_for(next->robots.size()));
+  }
+
+  /// The members that a path moves.
+  [[nodiscard]] std::vector<std::size_t> members_along(const RobotsPath& path) const {
+    std::vector<std::size_t> along;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (std::binary_search(path.axes().begin(), path.axes().end(), members_[i].axes.front())) along.push_back(i);
+    }
+    return along;
   }
 
   /// The guide of a search of so many robots; nullptr: none that applies.
@@ -213,12 +242,7 @@ class TeamSearch final : public Planner {
   }
 
   /// Pays here for the checks of an instance.
-  void count(const Instance& part) {
-    Checks& checks = context_.instance.checks;
-    checks.validity += part.checks.validity;
-    checks.motion += part.checks.motion;
-    checks.alone += part.checks.alone;
-  }
+  void count(const Instance& part) { count_checks(part, context_.instance); }
 
   /// The goal of this try: the robots of one search must go to the same one as those of another.
   [[nodiscard]] std::size_t goal() const {
@@ -230,6 +254,7 @@ class TeamSearch final : public Planner {
     Instance& instance = context_.instance;
     space_ = std::make_shared<TeamSpace>(instance, std::move(along), axes_of(members_, robots), name);
     auto part = space_->project(instance);
+    if (certifies_) part->validity = std::make_shared<CertifiedValidity>(part->validity, exact_tolerance_of(*part));
     if (part->goals.size() > 1) {
       part->goals.assign(1, Configuration(part->space.dimension()));
       space_->project(instance.goals[goal()], part->goals.front());
@@ -246,25 +271,10 @@ class TeamSearch final : public Planner {
     if (guide != nullptr) current_->guide_by(*guide);
   }
 
-  /// "robot 3", "robots 2, 5".
-  [[nodiscard]] std::string name_of(const std::vector<std::size_t>& robots) const {
-    std::vector<std::size_t> numbers;
-    numbers.reserve(robots.size());
-    for (const std::size_t i : robots) numbers.push_back(members_[i].number);
-    return fmt::format("robot{} {}", robots.size() == 1 ? "" : "s", fmt::join(numbers, ", "));
-  }
-
-  /// The path found by a search with its detours cut: later searches follow it.
-  [[nodiscard]] Configurations shortened(Level& level) const {
-    constexpr std::int64_t rounds = 30;
-    Stream stream(run_.seed, level.record().key, "shortcut");
-    return shortcut(level.instance(), level.solution().path, rounds, stream);
-  }
-
   /// Takes a path that a search found, of the axes of its space.
-  void take(Configurations path) {
+  /// \param all  whether these are those of the team
+  void take(Configurations path, bool all) {
     const auto next = std::find_if(groups_.begin(), groups_.end(), [](const Group& group) { return !group.path; });
-    const bool all = space_->axes().size() == context_.instance.space.dimension();
     if (next == groups_.end() || (all && waiting_.empty())) {
       found_ = std::move(path);
       note_path();
@@ -300,6 +310,35 @@ class TeamSearch final : public Planner {
     return moving;
   }
 
+  /// Begins to prune a path of the robots of the last search: later searches follow it, and each motion of theirs has a
+  /// piece for each of its configurations.
+  void begin_pruning(const Configurations& path, const std::vector<std::size_t>& axes) {
+    Instance& team = context_.instance;
+    if (axes.size() < team.space.dimension()) placed_ = TeamSpace(team, {}, axes, "placed").project(team);
+    const Instance& instance = placed_ ? *placed_ : team;
+    const auto certified = std::make_shared<CertifiedValidity>(instance.validity, coarse_tolerance_of(instance));
+    pruning_.emplace(path, [&team, certified](View a, View b) {
+      const MotionReport report = certified->motion(a, b);
+      team.checks.validity += report.checks;
+      ++team.checks.motion;
+      return report.valid;
+    });
+  }
+
+  /// Continues to prune; takes the path once it is done.
+  std::optional<Status> prune() {
+    constexpr std::uint64_t piece = 256;
+    const std::uint64_t before = context_.instance.checks.validity;
+    while (!pruning_->done() && context_.instance.checks.validity < before + piece) pruning_->step();
+    if (!pruning_->done()) return std::nullopt;
+    const Configurations path = pruning_->path();
+    pruning_.reset();
+    const bool all = placed_ == nullptr;
+    placed_.reset();
+    take(path, all);
+    return found_ ? std::optional(Status::solved) : std::nullopt;
+  }
+
   /// Adds the path found to the nodes of this search.
   void note_path() {
     for (std::size_t i = 1; i < found_->size(); ++i) {
@@ -325,13 +364,14 @@ class TeamSearch final : public Planner {
     switch (division_.how) {
       case Coordination::order: {
         // What a robot cannot do alone, it cannot do among others.
-        if (next == groups_.begin()) {
+        const std::ptrdiff_t given = division_.given ? 1 : 0;
+        if (next - groups_.begin() == given) {
           tries_left_ = 0;
           return;
         }
         // It plans earlier: the paths of the robots that are still before it remain.
         // With several goals another try has another one, to which those paths do not lead.
-        const auto kept = context_.instance.goals.size() > 1 ? 0 : (next - groups_.begin()) / 2;
+        const auto kept = std::max(given, context_.instance.goals.size() > 1 ? 0 : (next - groups_.begin()) / 2);
         const auto earlier = groups_.begin() + kept;
         std::rotate(earlier, next, std::next(next));
         for (auto group = earlier; group != groups_.end(); ++group) group->path.reset();
@@ -339,6 +379,7 @@ class TeamSearch final : public Planner {
       }
       case Coordination::alone:
       case Coordination::conflicts:
+      case Coordination::windows:
         // Other paths may be passed.
         if (next != groups_.end() && next->robots.size() == 1) tries_left_ = 0;
         groups_.clear();
@@ -384,9 +425,8 @@ class TeamSearch final : public Planner {
     if (!found && !of.search.exhausted() && of.search.expanded() < most) return std::nullopt;
     const auto ended = std::exchange(timetable_, nullptr);
     if (found && all) {
-      found_ = ended->space.placed(*found);
-      note_path();
-      return Status::solved;
+      begin_pruning(ended->space.placed(*found), ended->space.axes());
+      return std::nullopt;
     }
     if (found || !pair) return std::nullopt;
     // They cannot pass each other.
@@ -433,6 +473,9 @@ class TeamSearch final : public Planner {
   bool all_scheduled_ = false;                   ///< that of all groups has ended
   std::size_t joined_ = 0;                       ///< groups of several robots that were searched
   std::int64_t tries_left_;
+  bool certifies_ = false;  ///< the search certifies each of its motions: the one before found a path that touches
+  std::optional<PathPruning> pruning_;  ///< of a path that is not pruned yet
+  std::unique_ptr<Instance> placed_;    ///< of the robots of that path; nullptr: of all
   std::optional<Configurations> found_;
 };
 

@@ -1,0 +1,526 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/conflict_search.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/team_space.hpp>
+#include <trellis/instance/certified_validity.hpp>
+#include <trellis/planner/loop.hpp>
+#include <trellis/planner/pruning.hpp>
+#include <trellis/scene/team_times.hpp>
+#include <trellis/strategy/team_parts.hpp>
+#include <trellis/strategy/team_search.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Solves the instance of a team by the paths of single robots, repaired where they conflict. All robots move along
+/// their paths at the same speed. The first place of that motion where robots touch each other gives a window of time
+/// about it; only the robots in conflict there leave their paths, and only in the window. The others move along theirs,
+/// as one coordinate of each search. Where the window has no path, it grows to both sides. A repaired window does not
+/// change what follows it, so each repair leaves a longer beginning without conflicts.
+class ConflictSearch final : public Planner {
+ public:
+  ConflictSearch(Run& run, Level& level, PlannerSpec planner, const GuideSpec* guide, TeamDivision division,
+                 PlannerContext context)
+      : Planner(std::move(context)),
+        run_(run),
+        level_(level),
+        planner_(std::move(planner)),
+        guide_(guide),
+        division_(std::move(division)),
+        members_(context_.instance.scene->members()),
+        tries_left_(division_.tries) {}
+
+  std::optional<Status> begin(const Budget&) override {
+    Instance& instance = context_.instance;
+    if (spaces_.empty()) make_spaces();
+    if (context_.search.nodes.empty()) {
+      if (const auto invalid = remove_invalid_goals(instance)) return invalid;
+      context_.search.nodes.push(instance.start);
+      context_.search.parents.push_back(0);
+    }
+    // A further solve begins anew, with other random numbers.
+    if (found_ || tries_left_ <= 0) {
+      found_.reset();
+      tries_left_ = division_.tries;
+      begin_anew();
+    }
+    if (instance.to_goal(instance.start) > instance.goal_tolerance) return std::nullopt;
+    found_ = path_of_start(instance);
+    return Status::solved;
+  }
+
+  [[nodiscard]] bool draws() const override { return false; }
+
+  std::optional<Status> step() override {
+    if (current_ != nullptr) return search();
+    if (pruning_) return prune();
+    if (tries_left_ <= 0) return Status::budget_spent;
+    if (alone_.size() < members_.size()) {
+      begin_robot();
+    } else if (path_.empty()) {
+      move_together();
+    } else if (conflict_) {
+      begin_window();
+    } else {
+      find_conflict();
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] Solution solution(Status status) override {
+    if (status == Status::solved && found_) return {status, *found_, {}};
+    return {status, path_of_start(context_.instance), {}};
+  }
+
+ private:
+  /// Robots that conflict at a time, and the search that is to repair their paths.
+  struct Conflict {
+    double time = 0.0;                ///< seconds, on the path of the team
+    std::vector<std::size_t> robots;  ///< members, ascending; it grows
+    double reach = 0.0;               ///< seconds to either side of it, of the window
+    bool together = false;            ///< the robots are searched as one next, not one after another
+    std::size_t growths = 0;
+  };
+  /// A part of the path of the team.
+  struct Window {
+    double from = 0.0;  ///< seconds
+    double to = 0.0;
+    Configurations path;
+  };
+
+  void make_spaces() {
+    for (const TeamMember& member : members_) {
+      spaces_.push_back(std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), member.axes,
+                                                    name_of(members_, {spaces_.size()})));
+    }
+    std::vector<std::size_t> all(context_.instance.space.dimension());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    whole_ = std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), all, "team");
+  }
+
+  void begin_anew() {
+    alone_.clear();
+    path_ = {};
+    pairs_.clear();
+    conflict_.reset();
+    certifies_ = false;
+    valid_to_ = 0;
+  }
+
+  /// The goal of this try: all robots go to the same one.
+  [[nodiscard]] const Configuration& goal() const {
+    const Instance& instance = context_.instance;
+    return instance.goals[static_cast<std::size_t>(division_.tries - tries_left_) % instance.goals.size()];
+  }
+
+  [[nodiscard]] const GuideSpec* guide_for(std::size_t robots) const {
+    return guide_ != nullptr && guides_searches_of(*guide_, robots) ? guide_ : nullptr;
+  }
+
+  /// Begins the search of the next robot alone.
+  void begin_robot() {
+    const std::size_t robot = alone_.size();
+    auto part = spaces_[robot]->project(context_.instance);
+    part->goals.assign(1, Configuration(part->space.dimension()));
+    spaces_[robot]->project(goal(), part->goals.front());
+    begin_search(std::move(part), spaces_[robot], {robot});
+    if (const GuideSpec* guide = guide_for(1)) current_->guide_by(*guide);
+  }
+
+  void begin_search(std::unique_ptr<Instance> part, std::shared_ptr<TeamSpace> space,
+                    const std::vector<std::size_t>& robots) {
+    if (certifies_) {
+      part->validity = std::make_shared<CertifiedValidity>(part->validity, exact_tolerance_of(*part));
+    }
+    space_ = std::move(space);
+    // The level of a robot alone has the same key in all runs.
+    const std::size_t number = robots.size() == 1 ? robots.front() : members_.size() + windows_++;
+    levels_.push_back(std::make_unique<Level>(run_, &level_,
+                                              fmt::format("{}/{}.{}", level_.record().key, searches_[number]++, number),
+                                              name_of(members_, robots), std::move(part), planner_, space_));
+    current_ = levels_.back().get();
+  }
+
+  /// Continues the search of a robot, or of a window.
+  std::optional<Status> search() {
+    constexpr double piece = 256.0;
+    const Advance advance = current_->advance(std::ceil(effort_), {Budget::unlimited, piece});
+    double work = 0.0;
+    for (const auto& level : levels_) work += level->work();
+    level_.count_parts(work);
+    if (advance == Advance::unfinished) return std::nullopt;
+    Level& ended = *std::exchange(current_, nullptr);
+    if (ended.record().solution.status == Status::interrupted) return Status::interrupted;
+    if (advance == Advance::nothing) {
+      certifies_ = false;
+      fail();
+      return std::nullopt;
+    }
+    // One after another, the robots of a window were certified in the search below.
+    const bool divided = conflict_ && !conflict_->together;
+    const Configurations path = divided ? ended.solution().path : shortened(run_, ended);
+    if (!divided && !certifies_ && !certified(ended.instance(), path)) {
+      certifies_ = true;
+      return std::nullopt;
+    }
+    certifies_ = false;
+    if (conflict_) {
+      repair(space_->placed(path));
+    } else {
+      alone_.emplace_back(context_.instance.space, space_->axes(), path);
+    }
+    return std::nullopt;
+  }
+
+  /// The last search found no path.
+  void fail() {
+    if (!conflict_) {
+      // What a robot cannot do alone, it cannot do among others.
+      tries_left_ = 0;
+      return;
+    }
+    constexpr std::size_t most_together = 3;
+    if (!conflict_->together && conflict_->robots.size() <= most_together) {
+      conflict_->together = true;
+      return;
+    }
+    conflict_->together = false;
+    if (window_.from <= 0.0 && window_.to >= times_.back()) {
+      --tries_left_;
+      begin_anew();
+      return;
+    }
+    conflict_->reach *= 2.0;
+    ++conflict_->growths;
+  }
+
+  /// The path on which every robot moves at the same speed along its own, and waits at its end.
+  void move_together() {
+    std::set<double> times = {0.0};
+    for (std::size_t r = 0; r < members_.size(); ++r) {
+      const Space own = space_of(context_.instance.space, members_[r]);
+      double length = 0.0;
+      const Configurations& path = alone_[r].path();
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        length += own.distance(path[i - 1], path[i]);
+        times.insert(length);
+      }
+    }
+    path_ = Configurations(context_.instance.space.dimension());
+    Configuration q(path_.dimension());
+    Configuration part;
+    for (const double time : times) {
+      for (const RobotsPath& path : alone_) {
+        part.resize(path.axes().size());
+        path.at(time, part);
+        for (std::size_t j = 0; j < part.size(); ++j) q[path.axes()[j]] = part[j];
+      }
+      path_.push(q);
+    }
+    // A robot that does not move at all is at its start.
+    if (path_.size() == 1) path_.push(q);
+    valid_to_ = 0;
+    note_times();
+  }
+
+  void note_times() { times_ = times_of(context_.instance.space, members_, path_).at; }
+
+  /// Where the team is at a time.
+  void at(double time, MutableView q) const {
+    const auto next = std::upper_bound(times_.begin(), times_.end(), time);
+    const auto i = static_cast<std::size_t>(next - times_.begin());
+    if (i == 0 || i == times_.size()) {
+      const View end = path_[i == 0 ? 0 : times_.size() - 1];
+      std::copy(end.begin(), end.end(), q.begin());
+      return;
+    }
+    context_.instance.space.interpolate(path_[i - 1], path_[i], (time - times_[i - 1]) / (times_[i] - times_[i - 1]),
+                                        q);
+  }
+
+  /// Validates the motions of the path in turn, up to the first that is not valid: its robots are in conflict.
+  void find_conflict() {
+    Instance& instance = context_.instance;
+    CertifiedValidity validity(instance.validity, exact_tolerance_of(instance));
+    constexpr std::uint64_t piece = 256;
+    const std::uint64_t before = instance.checks.validity;
+    const Configurations& path = path_;
+    while (valid_to_ + 1 < path.size() && instance.checks.validity < before + piece) {
+      const MotionReport report = validity.motion(path[valid_to_], path[valid_to_ + 1]);
+      instance.checks.validity += report.checks;
+      ++instance.checks.motion;
+      if (report.valid) {
+        ++valid_to_;
+        continue;
+      }
+      Conflict conflict;
+      conflict.time = times_[valid_to_] + report.invalid_at * (times_[valid_to_ + 1] - times_[valid_to_]);
+      conflict.reach = 2.0 * instance.scene->bounding_radius();
+      if (conflict.reach <= 0.0) conflict.reach = 0.1 * times_.back();
+      conflict_ = conflict;
+      add_touching(path[valid_to_], path[valid_to_ + 1], report.invalid_at);
+      return;
+    }
+    if (valid_to_ + 1 < path.size()) return;
+    CertifiedValidity coarse(instance.validity, coarse_tolerance_of(instance));
+    pruning_.emplace(path, [&instance, coarse](View a, View b) mutable {
+      const MotionReport report = coarse.motion(a, b);
+      instance.checks.validity += report.checks;
+      ++instance.checks.motion;
+      return report.valid;
+    });
+  }
+
+  /// Adds the robots of each two that touch each other at a place of a motion to those in conflict; where none do, of
+  /// each two whose motion cannot be certified.
+  void add_touching(View a, View b, double parameter) {
+    Instance& team = context_.instance;
+    Configuration q(a.size());
+    team.space.interpolate(a, b, parameter, q);
+    std::set<std::size_t> robots(conflict_->robots.begin(), conflict_->robots.end());
+    const std::size_t known = robots.size();
+    for (const bool certifies : {false, true}) {
+      for (std::size_t i = 0; i < members_.size(); ++i) {
+        for (std::size_t k = i + 1; k < members_.size(); ++k) {
+          const Pair& pair = pair_of(i, k);
+          Configuration from(pair.axes.size()), to(pair.axes.size());
+          for (std::size_t j = 0; j < pair.axes.size(); ++j) {
+            from[j] = certifies ? a[pair.axes[j]] : q[pair.axes[j]];
+            to[j] = b[pair.axes[j]];
+          }
+          bool free = true;
+          if (certifies) {
+            Certificate certificate{exact_tolerance_of(team)};
+            pair.instance->validity->certify(from, to, certificate);
+            team.checks.validity += certificate.checks;
+            free = certificate.valid();
+          } else {
+            ++team.checks.validity;
+            ++team.checks.alone;
+            free = pair.instance->validity->state(from);
+          }
+          if (!free) robots.insert({i, k});
+        }
+      }
+      if (robots.size() > known) break;
+    }
+    conflict_->robots.assign(robots.begin(), robots.end());
+  }
+
+  /// Two robots in the world.
+  struct Pair {
+    std::vector<std::size_t> axes;
+    std::unique_ptr<Instance> instance;
+  };
+  const Pair& pair_of(std::size_t i, std::size_t k) {
+    Pair& pair = pairs_[{i, k}];
+    if (!pair.instance) {
+      TeamSpace both(context_.instance, {}, axes_of(members_, {i, k}), "both");
+      pair.axes = both.axes();
+      pair.instance = both.project(context_.instance);
+    }
+    return pair;
+  }
+
+  /// Cuts the window of the conflict from the path: from and to valid configurations.
+  void cut_window() {
+    const auto valid_at = [&](double time) {
+      Configuration q(path_.dimension());
+      at(time, q);
+      return context_.instance.valid(q);
+    };
+    const double pace = 0.25 * conflict_->reach;
+    // It begins where the path was validated.
+    window_.from = std::max(0.0, std::min(conflict_->time - conflict_->reach, times_[valid_to_]));
+    window_.to = std::min(times_.back(), conflict_->time + conflict_->reach);
+    while (window_.to < times_.back() && !valid_at(window_.to)) {
+      window_.to = std::min(times_.back(), window_.to + pace);
+    }
+    window_.path = Configurations(path_.dimension());
+    Configuration q(path_.dimension());
+    at(window_.from, q);
+    window_.path.push(q);
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      if (times_[i] > window_.from && times_[i] < window_.to) window_.path.push(std::as_const(path_)[i]);
+    }
+    at(window_.to, q);
+    window_.path.push(q);
+  }
+
+  /// The robots that are not in conflict, along their part of the window; none without any.
+  [[nodiscard]] std::optional<RobotsPath> others() const {
+    std::vector<std::size_t> rest;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (!std::binary_search(conflict_->robots.begin(), conflict_->robots.end(), i)) rest.push_back(i);
+    }
+    if (rest.empty()) return std::nullopt;
+    std::vector<std::size_t> axes = axes_of(members_, rest);
+    Configurations path(axes.size());
+    Configuration q(axes.size());
+    const Configurations& all = window_.path;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t j = 0; j < axes.size(); ++j) q[j] = all[i][axes[j]];
+      path.push(q);
+    }
+    return RobotsPath(context_.instance.space, std::move(axes), std::move(path));
+  }
+
+  /// Begins the search of the window. Robots that conflict with each other in it, apart from those of the conflict,
+  /// join these.
+  void begin_window() {
+    Instance& team = context_.instance;
+    cut_window();
+    std::optional<RobotsPath> rest = others();
+    while (rest) {
+      TeamSpace along(team, {*rest}, {}, "others");
+      const auto part = along.project(team);
+      CertifiedValidity validity(part->validity, exact_tolerance_of(*part));
+      const MotionReport report = validity.motion(Configuration{0.0}, Configuration{rest->length()});
+      team.checks.validity += report.checks;
+      ++team.checks.motion;
+      if (report.valid) break;
+      const std::size_t known = conflict_->robots.size();
+      add_touching_others(*rest, report.invalid_at * rest->length());
+      if (conflict_->robots.size() == known) break;
+      rest = others();
+    }
+    // A search of the window is a search of the team from its first configuration to its last one.
+    auto part = whole_->project(team);
+    part->start.assign(window_.path.front().begin(), window_.path.front().end());
+    part->goals.assign(1, Configuration(window_.path.back().begin(), window_.path.back().end()));
+    effort_ = static_cast<double>(division_.effort) * std::min(1.0, 0.1 * std::pow(2.0, conflict_->growths));
+    if (conflict_->together) {
+      std::vector<RobotsPath> along;
+      if (rest) along.push_back(*rest);
+      const auto space = std::make_shared<TeamSpace>(*part, along, axes_of(members_, conflict_->robots), "window");
+      begin_search(space->project(*part), space, conflict_->robots);
+      return;
+    }
+    TeamDivision division;
+    division.how = Coordination::order;
+    division.order = conflict_->robots;
+    division.tries = 2 * static_cast<std::int64_t>(conflict_->robots.size());
+    division.effort = static_cast<std::int64_t>(std::ceil(effort_));
+    if (rest) division.given = std::make_shared<const RobotsPath>(*rest);
+    begin_search(std::move(part), whole_, conflict_->robots);
+    current_->divide(std::move(division), guide_);
+  }
+
+  /// Adds the robots in conflict at a place of the path of those that were in none.
+  void add_touching_others(const RobotsPath& rest, double along) {
+    Configuration part(rest.axes().size());
+    rest.at(along, part);
+    // The robots in conflict before are where they were in the window: only those of two others are added.
+    std::set<std::size_t> robots(conflict_->robots.begin(), conflict_->robots.end());
+    const std::set<std::size_t> before = robots;
+    Configuration q(context_.instance.space.dimension());
+    for (std::size_t j = 0; j < part.size(); ++j) q[rest.axes()[j]] = part[j];
+    std::size_t nearest_first = 0, nearest_second = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      for (std::size_t k = i + 1; k < members_.size(); ++k) {
+        if (before.contains(i) || before.contains(k)) continue;
+        const Pair& pair = pair_of(i, k);
+        Configuration of_pair;
+        for (const std::size_t axis : pair.axes) of_pair.push_back(q[axis]);
+        ++context_.instance.checks.validity;
+        ++context_.instance.checks.alone;
+        if (!pair.instance->validity->state(of_pair)) {
+          robots.insert({i, k});
+          nearest = 0.0;
+        } else if (nearest > 0.0) {
+          const double clearance = pair.instance->validity->clearance(of_pair);
+          if (clearance < nearest) {
+            nearest = clearance;
+            nearest_first = i;
+            nearest_second = k;
+          }
+        }
+      }
+    }
+    // Those that come too close to certify that they pass.
+    if (nearest > 0.0 && std::isfinite(nearest)) robots.insert({nearest_first, nearest_second});
+    conflict_->robots.assign(robots.begin(), robots.end());
+  }
+
+  /// Replaces the window by a path found for it.
+  void repair(const Configurations& found) {
+    Configurations path(path_.dimension());
+    const Configurations& old = path_;
+    for (std::size_t i = 0; i < times_.size() && times_[i] < window_.from; ++i) path.push(old[i]);
+    for (std::size_t i = 0; i < found.size(); ++i) path.push(found[i]);
+    valid_to_ = path.size() - 1;
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      if (times_[i] > window_.to) path.push(old[i]);
+    }
+    path_ = std::move(path);
+    conflict_.reset();
+    note_times();
+  }
+
+  std::optional<Status> prune() {
+    constexpr std::uint64_t piece = 256;
+    const std::uint64_t before = context_.instance.checks.validity;
+    while (!pruning_->done() && context_.instance.checks.validity < before + piece) pruning_->step();
+    if (!pruning_->done()) return std::nullopt;
+    found_ = pruning_->path();
+    pruning_.reset();
+    for (std::size_t i = 1; i < found_->size(); ++i) {
+      context_.search.parents.push_back(i == 1 ? 0 : static_cast<std::uint32_t>(context_.search.nodes.size() - 1));
+      context_.search.nodes.push(std::as_const(*found_)[i]);
+    }
+    return Status::solved;
+  }
+
+  Run& run_;
+  Level& level_;
+  PlannerSpec planner_;
+  const GuideSpec* guide_;
+  TeamDivision division_;
+  std::vector<TeamMember> members_;
+  std::vector<std::shared_ptr<TeamSpace>> spaces_;  ///< of each robot alone
+  std::shared_ptr<TeamSpace> whole_;                ///< of all robots
+  std::vector<std::unique_ptr<Level>> levels_;      ///< of all searches; their records are taken after the run
+  Level* current_ = nullptr;                        ///< the search that has not ended
+  std::shared_ptr<TeamSpace> space_;                ///< of the last search
+  std::map<std::size_t, std::size_t> searches_;     ///< so far, by their number
+  std::size_t windows_ = 0;                         ///< searches of windows so far
+  double effort_ = static_cast<double>(division_.effort);
+  bool certifies_ = false;  ///< the search certifies each of its motions: the one before found a path that touches
+  std::vector<RobotsPath> alone_;     ///< of this try: the paths found for single robots
+  Configurations path_;               ///< of the team; empty before all robots have one
+  std::vector<double> times_;         ///< of its configurations, seconds
+  std::size_t valid_to_ = 0;          ///< the configuration up to which it is valid
+  std::optional<Conflict> conflict_;  ///< the one that is repaired
+  Window window_;
+  std::map<std::pair<std::size_t, std::size_t>, Pair> pairs_;
+  std::optional<PathPruning> pruning_;
+  std::int64_t tries_left_;
+  std::optional<Configurations> found_;
+};
+
+}  // namespace
+
+std::unique_ptr<Planner> make_conflict_search(Run& run, Level& level, const PlannerSpec& planner,
+                                              const GuideSpec* guide, const TeamDivision& division,
+                                              PlannerContext context) {
+  return std::make_unique<ConflictSearch>(run, level, planner, guide, division, std::move(context));
+}
+
+}  // namespace trellis
