@@ -7,7 +7,7 @@
 local bench = require "motion_bench"
 local folder = "vamp_mbm/robots/fetch/"
 local fetch = robot.urdf(folder .. "fetch_spherized.urdf", { srdf = folder .. "fetch.srdf", group = "arm_with_torso" })
-local planner = rrt_connect { step = 1, proposals = 10000000, seconds = 60 }
+local planner = rrt_connect { step = 1, grow = "in_turn", proposals = 10000000, seconds = 60 }
 
 return experiment {
   problems   = bench.problems(fetch, "fetch", bench.scenarios, function(i) return i % 10 == 1 end),

@@ -80,8 +80,8 @@ class UrdfReader {
     try {
       return {KinematicTree(name, std::move(links_), std::move(joints_)), std::move(warnings_), std::move(lines)};
     } catch (const TreeError& error) {
-      const auto& lines = error.part == TreeError::Part::link ? link_lines_ : joint_lines_;
-      throw text_.error(lines.at(error.number), error.what());
+      const auto& of_part = error.part == TreeError::Part::link ? link_lines_ : joint_lines_;
+      throw text_.error(of_part.at(error.number), error.what());
     } catch (const Error& error) {
       throw Error(fmt::format("{}: {}", text_.path, error.what()));
     }
