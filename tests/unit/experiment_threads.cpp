@@ -128,6 +128,8 @@ TEST_CASE("a run of several threads has the record of one thread") {
   std::vector<StrategySpec> strategies = {
       StrategySpec(planner("rrt", many)),
       StrategySpec(planner("rrt_connect", many)),
+      StrategySpec(
+          PlannerSpec::make("rrt_connect", {{"step", 0.5}, {"proposals", many}, {"grow", std::string("smaller")}})),
       StrategySpec(planner("rrt_star", 2500)),
       StrategySpec(PlannerSpec::make("rrt_connect", {{"step", 0.5}, {"proposals", many}, {"goal_bias", 0.3}})),
       guide("shrink", {{"scale", 0.5}}) >> planner("rrt", many),

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/report/summary.hpp>
 
 namespace trellis::trial {
