@@ -43,6 +43,7 @@ PointOnBody point_of(const std::string& guide, const SphereModel& robot, const s
   const KinematicTree& tree = robot.robot().tree();
   if (const std::vector<PointOnBody> tips = robot.tips(); link.empty() && tips.size() > 1) {
     std::vector<std::string> names;
+    names.reserve(tips.size());
     for (const PointOnBody& tip : tips) names.push_back(fmt::format("\"{}\"", link_of(robot.robot(), tip.body)));
     throw Error(fmt::format(
         "{0}: the robot '{1}' has {2} tips, and option 'point' does not say which: {3}, or another link; or guide its "
