@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <trellis/base/error.hpp>
 
 namespace trellis {
@@ -37,8 +39,8 @@ constexpr MeasureQuantity computed(Quantity quantity, double (*of)(const Efficie
 }
 
 /// The ends of the 95 % interval of the part `mass` of D_eps.
-double mass_lo(const Efficiency& e) { return defended_mass(e.mass_lo, e.uniform); }
-double mass_hi(const Efficiency& e) { return defended_mass(e.mass_hi, e.uniform); }
+double mass_lo(const Efficiency& e) { return regularised_mass(e.mass_lo, e.uniform); }
+double mass_hi(const Efficiency& e) { return regularised_mass(e.mass_hi, e.uniform); }
 
 using enum Better;
 constexpr const char* eps_parts = "D_eps_parts";
@@ -190,7 +192,7 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
      &RunTotals::set_up},
     {of_run("time_s", "s", less, "wall clock of the run; scoring is not in it"), &RunTotals::seconds, clock},
     {of_run("cpu_s", "s", less,
-            "CPU time of the thread that planned: set-up and planning of all levels; scoring is not in it"),
+            "CPU time of the threads that planned: set-up and planning of all levels; scoring is not in it"),
      &RunTotals::cpu_seconds, clock},
     {of_run("lua_s", "s", none,
             "part of cpu_s: functions of guides in Lua with what they call, and loading their script. Calls are timed "
@@ -238,7 +240,7 @@ Quantity quantity(std::string_view name) {
   for (const Quantity& one : quantities()) {
     if (one.name() == name) return one;
   }
-  throw Fault("no quantity has this name");
+  throw Fault(fmt::format("no quantity is called '{}'", name));
 }
 
 }  // namespace trellis

@@ -57,7 +57,8 @@ std::vector<Quantity> quantities();
 /// Returns the meaning of a quantity with its unit and the better values: "nats, less is better: ...".
 std::string described(const Quantity& quantity);
 
-/// Returns the quantity of a name. \throws Fault where there is none
+/// Returns the quantity with a name.
+/// \throws Fault where there is none
 Quantity quantity(std::string_view name);
 
 }  // namespace trellis
