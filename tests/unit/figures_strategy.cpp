@@ -265,6 +265,8 @@ TEST_CASE("names of levels are shortened but stay distinct", "[report][figures]"
   CHECK(short_level("shrink { 0.6666666666, keep_tree = true }", 14) == "shrink(0.667)");
   CHECK(short_level("skeleton { follow = \"regions\" }", 14) == "skeleton");
   CHECK(short_level("a_function_of_a_script", 14) == "a_function_of_a_script");
+  CHECK(short_level("robots 1, 2, 5", 14) == "robots 1, 2, 5");
+  CHECK(short_level("robots 1, 2, 5", 12) == "3 robots");
 }
 
 TEST_CASE("a mixture has a waterfall for each path to the root", "[report][figures]") {

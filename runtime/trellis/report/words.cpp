@@ -108,6 +108,10 @@ char mark_of(const std::string& flag) {
 
 std::string short_level(const std::string& name, std::size_t longest) {
   if (name.size() <= longest) return name;
+  // The level of several robots of a team: "robots 1, 2, 5".
+  if (name.starts_with("robots ")) {
+    return plural(1UL + static_cast<std::size_t>(std::count(name.begin(), name.end(), ',')), "robot");
+  }
   const std::size_t end = name.find_first_of(" ({");
   std::string head = name.substr(0, end);
   if (end == std::string::npos) return head;

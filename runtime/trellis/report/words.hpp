@@ -41,7 +41,8 @@ std::string plural(std::size_t n, const std::string& noun);
 std::string plural_y(std::size_t n, const std::string& stem);
 /// "15 seeds (1–15)".
 std::string seeds_text(const std::vector<std::uint64_t>& seeds);
-/// Shortens a level's name: "shrink { 0.75, resolves = 10 }" becomes "shrink(0.75)" unless it fits.
+/// Shortens a level's name: "shrink { 0.75, resolves = 10 }" becomes "shrink(0.75)", and "robots 1, 2, 5" becomes
+/// "3 robots", unless it fits.
 std::string short_level(const std::string& name, std::size_t longest);
 
 /// A caveat to a value.
