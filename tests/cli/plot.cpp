@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis plot: figures of stored results.
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -144,6 +145,20 @@ return experiment {
 
   const Outcome one = place.run({"plot", "it.json", "--out", "one", "--figure", "waterfalls"});
   CHECK(one.out == "one/cup/waterfalls.svg, .png, .pdf\none/simple_passage/waterfalls.svg, .png, .pdf\n");
+
+  // Documents of the format before have costs, and a note says what is left out.
+  std::string older = content(place / "it.json");
+  const std::string format = "\"format\":2";
+  REQUIRE(older.find(format) != std::string::npos);
+  older.replace(older.find(format), format.size(), "\"format\":1");
+  std::ofstream(place / "old.json") << older;
+  const Outcome old = place.run({"plot", "old.json", "--out", "old"});
+  CHECK(old.status == 0);
+  CHECK(old.err.find("note: old.json: its figures of the measure are left out") != std::string::npos);
+  CHECK(std::filesystem::exists(place / "old/cup/success.svg"));
+  CHECK_FALSE(std::filesystem::exists(place / "old/cup/waterfalls.svg"));
+  CHECK(place.run({"plot", "old.json", "--out", "old", "--figure", "success"}).err.empty());
+  CHECK(place.run({"plot", "old.json", "--out", "old", "--figure", "waterfalls"}).status == 2);
 
   // Efficiencies of two documents do not add up; their costs do.
   const std::vector<std::string> more = {"run", "it.lua", "--quiet", "--seed", "6", "--json", "more.json"};

@@ -74,13 +74,19 @@ struct Stored {
   std::map<std::string, std::vector<Plotted>> summaries;
   std::vector<std::string> repeated;  ///< "nested on cup", in two documents
 
-  /// \param measured  whether a figure of the measure is asked for
-  void add(const std::string& file, bool measured) {
+  /// \param figure  the one asked for; none: all
+  void add(const std::string& file, const std::optional<std::size_t>& figure) {
     const ExperimentFacts facts = read_document(file);
-    if (measured) require_format(facts, file);
+    if (figure && *figure >= static_cast<std::size_t>(Kind::waterfall)) require_format(facts, file);
     ExperimentSummary summary = summarise(facts);
     costs.add(facts, summary, file);
-    if (facts.format != document_format) return;
+    if (facts.format != document_format) {
+      if (facts.measured && !figure) {
+        print_message(fmt::format("note: {}: its figures of the measure are left out: trellis {} wrote it in format {}",
+                                  file, facts.version, facts.format));
+      }
+      return;
+    }
     for (ProblemSummary& problem : summary.problems) {
       std::vector<Plotted>& there = summaries[problem.problem];
       for (std::size_t s = 0; s < problem.strategies.size(); ++s) {
@@ -197,7 +203,7 @@ int plot_figures(const Options& options) {
   const FigureStyle style = figure_style(options.style, true);
   Stored stored;
   const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
-  for (const std::string& file : options.files) stored.add(file, measured && options.figure);
+  for (const std::string& file : options.files) stored.add(file, options.figure);
   stored.costs = stored.costs.without_ablations();
   const std::string baseline = chosen_baseline(stored.costs, options);
   if (options.figure && options.draws(Kind::ratios) && baseline.empty()) {
