@@ -345,7 +345,8 @@ class ConflictSearch final : public Planner {
       at(time, q);
       return context_.instance.valid(q);
     };
-    const double pace = 0.25 * conflict_->reach;
+    // Of small robots in a large world, at most a thousand steps.
+    const double pace = std::max(0.25 * conflict_->reach, 1e-3 * times_.back());
     // It begins where the path was validated.
     window_.from = std::max(0.0, std::min(conflict_->time - conflict_->reach, times_[valid_to_]));
     window_.to = std::min(times_.back(), conflict_->time + conflict_->reach);
