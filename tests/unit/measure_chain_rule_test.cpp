@@ -137,7 +137,7 @@ TEST_CASE("nothing impossible is shown", "[chain]") {
   Efficiency e;
   e.estimator = "knn";
   e.uniform = 2.0;
-  e.perfect = defended_mass(0.0, 2.0);
+  e.perfect = regularised_mass(0.0, 2.0);
   e.mass = 0.5;
   e.mass_lower95 = 0.4;
   e.unregularised = -0.3;
@@ -146,7 +146,7 @@ TEST_CASE("nothing impossible is shown", "[chain]") {
   e.parts = {.mass = 0.53, .spread = -0.52, .along = 0.1, .across = -0.62};
   const Efficiency s = shown(e);
   CHECK(s.unregularised == 0.4);
-  CHECK(s.value == Approx(defended_mass(0.4, 2.0)));
+  CHECK(s.value == Approx(regularised_mass(0.4, 2.0)));
   CHECK(s.gain == Approx(2.0 - s.value));
   for (const ChainRule* parts : {&s.parts, &s.unregularised_parts}) {
     CHECK(parts->mass >= 0.0);

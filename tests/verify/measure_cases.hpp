@@ -57,7 +57,7 @@ inline bool anywhere(View) { return true; }
 inline double ball(std::size_t d) { return std::exp(log_unit_ball(d)); }
 
 /// D_eps where Q has the density q throughout A.
-inline double constant_defended(double log_a, double log_c, double q) {
+inline double constant_regularised(double log_a, double log_c, double q) {
   return -log_a - std::log((1.0 - uniform_mix) * q + uniform_mix * std::exp(-log_c));
 }
 
@@ -171,7 +171,7 @@ inline std::vector<Case> standard_cases(std::size_t d) {
                      do space.sample_uniform(s, x);
                      while (!target->contains(x));
                    },
-                   0.0, constant_defended(large.log_volume(), log_c, std::exp(-large.log_volume())), true});
+                   0.0, constant_regularised(large.log_volume(), log_c, std::exp(-large.log_volume())), true});
   return cases;
 }
 
@@ -230,7 +230,7 @@ inline std::vector<Case> closed_cases() {
                        x[1] = s.uniform(4.5, 5.5);
                      } while (!capsule->contains(x));
                    },
-                   0.0, constant_defended(std::log(capsule_volume), log_c, 1.0 / capsule_volume)});
+                   0.0, constant_regularised(std::log(capsule_volume), log_c, 1.0 / capsule_volume)});
 
   // Gaussian against Gaussian, far from the walls of a large square.
   const Space wide = Space::euclidean({{-10, 10}, {-10, 10}});
@@ -273,7 +273,7 @@ inline std::vector<Case> closed_cases() {
                      }
                    },
                    log_c - std::log(capsule_volume) - std::log(0.9),
-                   constant_defended(std::log(capsule_volume), log_c, 0.9 * std::exp(-log_c))});
+                   constant_regularised(std::log(capsule_volume), log_c, 0.9 * std::exp(-log_c))});
 
   const double bound = std::log(1 / uniform_mix) + log_c - std::log(capsule_volume);
   cases.push_back({"disjoint", "uniform where x2 > 7: D = inf, D_eps = log(1/eps) + uniform", capsule, make_capsule,
@@ -283,7 +283,7 @@ inline std::vector<Case> closed_cases() {
                    },
                    std::numeric_limits<double>::infinity(), bound});
   // Half of the tube at the density of T on that half, nothing on the other.
-  const double half = 0.5 * constant_defended(std::log(capsule_volume), log_c, 2.0 / capsule_volume) + 0.5 * bound;
+  const double half = 0.5 * constant_regularised(std::log(capsule_volume), log_c, 2.0 / capsule_volume) + 0.5 * bound;
   Case one{"half covered",
            "T on one half of the tube, nothing on the other: D = inf",
            capsule,
@@ -352,7 +352,7 @@ inline std::vector<Case> spatial_cases() {
              }
            },
            mean([&](double q) { return std::log(t / q); }),
-           mean([&](double q) { return constant_defended(target->log_volume(), space.log_volume(), q); })});
+           mean([&](double q) { return constant_regularised(target->log_volume(), space.log_volume(), q); })});
     }
   }
   return cases;

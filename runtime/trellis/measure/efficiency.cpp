@@ -57,7 +57,7 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
   complete(plain, estimate.unregularised, whole.along.corrected);
   if (!target.is_uniform()) return;
   const double assumed = std::isinf(plain.mass) ? measure::mass_without_hit(whole.samples) : plain.mass;
-  estimate.parts.mass = defended_mass(assumed, whole.uniform);
+  estimate.parts.mass = regularised_mass(assumed, whole.uniform);
   complete(estimate.parts, estimate.value, whole.along.regularised);
 }
 
@@ -229,7 +229,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
   }
 
   bound_mass(result);
-  if (target.is_uniform()) result.perfect = defended_mass(0.0, result.uniform);
+  if (target.is_uniform()) result.perfect = regularised_mass(0.0, result.uniform);
   cover(evaluation, result);
   if (inside.count == 0) result.flags.emplace_back("censored");
   estimate(evaluation, scoring, result);
@@ -348,7 +348,7 @@ bool covers_space(double uniform) { return uniform < least_scale; }
 
 double least_value(const Efficiency& efficiency) {
   if (std::isnan(efficiency.perfect)) return efficiency.perfect;
-  return defended_mass(efficiency.mass_lower95, efficiency.uniform);
+  return regularised_mass(efficiency.mass_lower95, efficiency.uniform);
 }
 
 Efficiency shown(Efficiency efficiency) {

@@ -110,7 +110,7 @@ std::string unfit_in(const Space& space, const EstimatorSpec& estimator) {
                      space.name());
 }
 
-double defended_mass(double mass, double uniform) {
+double regularised_mass(double mass, double uniform) {
   return -std::log((1.0 - uniform_mix) * std::exp(-mass) + uniform_mix * std::exp(-uniform));
 }
 

@@ -33,7 +33,7 @@ inline constexpr std::size_t most_across = 5;
 /// Returns -log of the mass in A of Q mixed with 5 % uniform samples.
 /// \param mass     -log Q(A)
 /// \param uniform  -log of the mass in A of uniform sampling
-double defended_mass(double mass, double uniform);
+double regularised_mass(double mass, double uniform);
 
 /// The result of one estimator for a set of samples, in nats. A missing value is NaN.
 struct Estimate {
