@@ -6,8 +6,8 @@
 # prints "SOURCE<tab>FILE" instead, for the source itself and for every file of ours that it includes.
 #
 # A name of a source's unnamed namespace is visible in the rest of its group. So no other source of the group has that
-# word (`loose`: declares that name), unless it declares the same alias, and no header declares that name which only
-# others include. Names are those that lines without indentation declare.
+# word (of a function: calls or declares it; `loose`: declares that name), unless it declares the same alias, and no
+# header declares that name which only others include. Names are those that lines without indentation declare.
 BEGIN { FS = "\t" }
 
 # The name that a line declares, or nothing.
@@ -39,8 +39,9 @@ function resolved(name, from,    file, i) {
   return ""
 }
 
-# Reads a file once: the files that it includes, its lines, the names in its unnamed namespaces, and the words that
-# those of other sources must not be: of a source all, of a header the names that it declares.
+# Reads a file once: the files that it includes, its lines, the names in its unnamed namespaces (of functions with a
+# parenthesis), and the words that those of other sources must not be: of a source all, of a header the names that it
+# declares.
 function scan(file,    line, source, unnamed, name, header, rest, part, parts, i) {
   if (file in lines_of) return
   lines_of[file] = 0
@@ -64,9 +65,9 @@ function scan(file,    line, source, unnamed, name, header, rest, part, parts, i
       continue
     }
     name = line ~ /^[a-zA-Z]/ && line !~ /^(static_assert|template <|namespace [a-z:]* *\{)/ ? declared(line) : ""
-    if (name != "" && !source) note(file, name)
+    if (name != "") note_declared(file, name)
     if (name != "" && source && (unnamed || line ~ /^(using [A-Za-z_]+ =|namespace )/)) {
-      names_of[file] = names_of[file] FS name
+      names_of[file] = names_of[file] FS (line !~ /^(struct|class|enum|union|using|namespace|constexpr|const) / && index(line, name "(") ? name "(" : name)
       if (line ~ /^(using|namespace) /) alias[file, name] = line
       rest = line ~ /^constexpr [^(]*$/ ? line : ""
       while (match(rest, /, [A-Za-z_]+ =/)) {
@@ -74,13 +75,21 @@ function scan(file,    line, source, unnamed, name, header, rest, part, parts, i
         rest = substr(rest, RSTART + RLENGTH)
       }
     }
-    if (name != "" && source) note(file, name)
     if (!source || loose) continue
     gsub(/(\.|->)[A-Za-z0-9_]+/, "", line)
     parts = split(line, part, /[^A-Za-z0-9_]+/)
     for (i = 1; i <= parts; i++) note(file, part[i])
+    while (match(line, /[A-Za-z_][A-Za-z_0-9]*\(/)) {
+      note(file, substr(line, RSTART, RLENGTH))
+      line = substr(line, RSTART + RLENGTH)
+    }
   }
   close(file)
+}
+
+function note_declared(file, name) {
+  note(file, name)
+  note(file, name "(")
 }
 
 function note(file, name) {

@@ -40,7 +40,7 @@ function(trellis_unity_build)
   set(root ${PROJECT_SOURCE_DIR})
   # CGAL's sources take the longest, so each is compiled alone.
   execute_process(COMMAND ${AWK} -v folders=${root}/runtime/include:${root}/runtime:${root}:${root}/dsl/testing:${root}/dsl/program:${root}/tests
-                          -v most=2000 -v alone=^CGAL/ -f ${root}/cmake/source-groups.awk ${list}
+                          -v most=3000 -v alone=^CGAL/ -f ${root}/cmake/source-groups.awk ${list}
                   OUTPUT_VARIABLE groups COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCHALL "[^\n]+" lines "${lines}")
   string(REGEX MATCHALL "[^\n]+" groups "${groups}")

@@ -19,7 +19,7 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::vector<std::string> files;      ///< documents of trellis run --json
   std::string baseline;                ///< a strategy, "" for the one that the documents name
   std::string out;                     ///< a folder, "" if not given
@@ -28,7 +28,7 @@ struct Options {
   FigureOptions style;
 };
 
-int compare(const Options& options) {
+int compare(const CompareOptions& options) {
   constexpr int unbounded_width = 160;
   check_format(options.style, !options.out.empty());
   const FigureStyle style = figure_style(options.style, !options.out.empty());
@@ -56,7 +56,7 @@ int compare(const Options& options) {
 }  // namespace
 
 void add_compare(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareOptions>();
   Subcommand verb =
       line.add("compare", "compare what strategies cost, seed by seed, in results of trellis run", [options] {
         name_documents(options->files);

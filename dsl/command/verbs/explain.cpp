@@ -23,7 +23,7 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct ExplainOptions {
   std::string script;
   std::string strategy;                ///< a name, "" for all
   std::string problem;                 ///< likewise
@@ -57,7 +57,7 @@ std::vector<Similar> similar_problems(const std::vector<Problem>& problems) {
   return groups;
 }
 
-int explain(const Options& options) {
+int explain(const ExplainOptions& options) {
   constexpr int unbounded_width = 100;
   const std::size_t width = options.width ? *options.width : static_cast<std::size_t>(report_width(unbounded_width));
   const bool document_alone = options.json == "-";
@@ -108,7 +108,7 @@ int explain(const Options& options) {
 void add_explain(CommandLine& line) {
   constexpr std::uint64_t narrowest = 60;
   constexpr std::uint64_t widest = 1000;
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExplainOptions>();
   Subcommand verb = line.add("explain", "print what strategies will run, level by level, without planning",
                              [options] { return explain(*options); });
   verb.argument("SCRIPT", "FILE", options->script, "a Lua script");

@@ -20,14 +20,14 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct MeasureOptions {
   std::string file;       ///< the case
   std::string json;       ///< a file, "-" for stdout, "" if not given
   std::string estimator;  ///< a name, "all", "" for the default
   ScriptOptions scripts;
 };
 
-std::vector<EstimatorSpec> estimators(const Options& options, std::size_t degrees) {
+std::vector<EstimatorSpec> estimators(const MeasureOptions& options, std::size_t degrees) {
   try {
     return measure_estimators(options.estimator, degrees);
   } catch (const Error& error) {
@@ -35,7 +35,7 @@ std::vector<EstimatorSpec> estimators(const Options& options, std::size_t degree
   }
 }
 
-int measure(const Options& options) {
+int measure(const MeasureOptions& options) {
   static_cast<void>(estimators(options, 1));  // reports an unknown estimator before it reads the case
   const bool to_stdout = options.json == "-";
   const bool to_file = !options.json.empty() && !to_stdout;
@@ -52,7 +52,7 @@ int measure(const Options& options) {
 }  // namespace
 
 void add_measure(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MeasureOptions>();
   Subcommand verb = line.add("measure", "measure samples that any program drew, and print the figures",
                              [options] { return measure(*options); });
   verb.argument("CASE", "FILE", options->file, "a case file: the space, the path, and where the samples are");

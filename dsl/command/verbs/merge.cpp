@@ -20,7 +20,7 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::vector<std::string> folders;  ///< of trellis sweep
   std::string out;                   ///< "" if not given
   std::string sqlite;                ///< a file, "" if not given
@@ -46,7 +46,7 @@ void check_complete(const StoredRuns& records) {
   }
 }
 
-void write_folder(const Options& options, const Manifest& manifest, const StoredRuns& records) {
+void write_folder(const MergeOptions& options, const Manifest& manifest, const StoredRuns& records) {
   OutputFolder out(options.out);
   // The same command replaces what it wrote.
   const std::string difference =
@@ -59,7 +59,7 @@ void write_folder(const Options& options, const Manifest& manifest, const Stored
   out.keep();
 }
 
-int merge(const Options& options) {
+int merge(const MergeOptions& options) {
   if (options.out.empty() && options.sqlite.empty() && options.pdt.empty() && options.csv.empty()) {
     throw Error("merge: name an output: --out FOLDER, --csv FILE, --sqlite FILE or --pdt FOLDER");
   }
@@ -110,7 +110,7 @@ int merge(const Options& options) {
 }  // namespace
 
 void add_merge(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MergeOptions>();
   Subcommand verb = line.add(
       "merge", "join the shards of a sweep into a folder or a database, checked for missing and contradictory runs",
       [options] { return merge(*options); });

@@ -49,7 +49,7 @@ const std::vector<std::string>& figure_names() {
   return names;
 }
 
-struct Options {
+struct PlotOptions {
   std::vector<std::string> files;  ///< documents of trellis run --json
   std::optional<std::size_t> figure;
   std::string baseline;  ///< a strategy, "" for the one that the documents name
@@ -105,7 +105,7 @@ struct Stored {
 /// Draws figures into a folder, and lists the files without their endings.
 class Plotter {
  public:
-  Plotter(const Options& options, FigureStyle style) : options_(options), style_(style) {}
+  Plotter(const PlotOptions& options, FigureStyle style) : options_(options), style_(style) {}
 
   void comparisons(const CostData& data, const std::string& baseline) {
     for (std::size_t p = 0; p < data.problems.size(); ++p) {
@@ -161,14 +161,14 @@ class Plotter {
     write_figure(*figure, style_, stems_.back());
   }
 
-  const Options& options_;
+  const PlotOptions& options_;
   FigureStyle style_;
   Directories directories_;
   std::vector<std::string> stems_;
 };
 
 /// Why a figure was not drawn.
-std::string nothing_text(const Options& options) {
+std::string nothing_text(const PlotOptions& options) {
   if (!options.figure) return "plot: the files have no run with a path, so there is nothing to draw";
   const std::string name = "--figure " + figure_names()[*options.figure];
   switch (static_cast<Kind>(*options.figure)) {
@@ -187,7 +187,7 @@ std::string nothing_text(const Options& options) {
   }
 }
 
-std::string chosen_baseline(const CostData& data, const Options& options) {
+std::string chosen_baseline(const CostData& data, const PlotOptions& options) {
   std::string name = options.baseline.empty() ? data.reference() : options.baseline;
   std::vector<std::string> known;
   for (const CostData::Strategy& strategy : data.strategies) known.push_back(strategy.name);
@@ -198,7 +198,7 @@ std::string chosen_baseline(const CostData& data, const Options& options) {
   return name;
 }
 
-int plot_figures(const Options& options) {
+int plot_figures(const PlotOptions& options) {
   check_format(options.style, false);
   const FigureStyle style = figure_style(options.style, true);
   Stored stored;
@@ -231,7 +231,7 @@ int plot_figures(const Options& options) {
 }
 
 /// Writes the page of one document.
-void write_page(const Options& options) {
+void write_page(const PlotOptions& options) {
   if (options.files.size() != 1) {
     throw Error("--html: the page is of one document, whose efficiencies it shows; those of several do not add up");
   }
@@ -241,7 +241,7 @@ void write_page(const Options& options) {
   write_file(options.html, stored_report_html(facts, summarise(facts), options.files.front()));
 }
 
-int plot(const Options& options) {
+int plot(const PlotOptions& options) {
   if (options.out.empty() && options.html.empty()) {
     throw Error("plot: --out FOLDER or --html FILE says where the figures or the page go");
   }
@@ -252,7 +252,7 @@ int plot(const Options& options) {
 }  // namespace
 
 void add_plot(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlotOptions>();
   Subcommand verb = line.add("plot", "draw stored results of trellis run, without planning", [options] {
     name_documents(options->files);
     return plot(*options);

@@ -16,13 +16,13 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct ReportOptions {
   std::string file;  ///< a document of trellis run --json
   std::optional<std::size_t> kind;
   std::optional<std::uint64_t> width;
 };
 
-int report(const Options& options) {
+int report(const ReportOptions& options) {
   const ExperimentFacts facts = read_document(options.file);
   require_format(facts, options.file);
   print_report(summarise(facts), static_cast<ReportKind>(options.kind.value_or(0)), options.width);
@@ -39,7 +39,7 @@ void print_report(const ExperimentSummary& summary, ReportKind kind, std::option
 }
 
 void add_report(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportOptions>();
   Subcommand verb = line.add("report", "print the report of stored results again", [options] {
     std::vector<std::string> files = {options->file};
     name_documents(files);

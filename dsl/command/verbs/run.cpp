@@ -51,7 +51,7 @@ namespace {
 
 constexpr std::uint64_t most_jobs = 1024;
 
-struct Options {
+struct RunOptions {
   std::string script;
   ScriptOptions scripts;
   std::optional<std::uint64_t> seeds;
@@ -86,7 +86,7 @@ struct Options {
 unsigned count_of(const std::optional<std::uint64_t>& option) { return static_cast<unsigned>(option.value_or(1)); }
 
 /// Runs the experiment; after an interruption reduces it to what is finished (run_or_part).
-ExperimentResult run_cells(Experiment& experiment, const Options& options, ScoreScope scope, std::string& finished) {
+ExperimentResult run_cells(Experiment& experiment, const RunOptions& options, ScoreScope scope, std::string& finished) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
@@ -117,7 +117,7 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
 }
 
 /// Applies --strategy and --ablate: the strategy of this name, and its ablations where these are requested.
-void choose_strategies(Experiment& experiment, const Options& options) {
+void choose_strategies(Experiment& experiment, const RunOptions& options) {
   if (options.strategy.empty()) {
     if (options.ablate) dsl::ablate_all(experiment, "--ablate");
     return;
@@ -133,7 +133,7 @@ void choose_strategies(Experiment& experiment, const Options& options) {
 }
 
 /// Applies --problem, --strategy, --ablate and --only to an experiment.
-void narrow(Experiment& experiment, const Options& options) {
+void narrow(Experiment& experiment, const RunOptions& options) {
   choose_problem(experiment, options.problem);
   choose_strategies(experiment, options);
   // The published claims refer to the complete experiment.
@@ -152,7 +152,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
 
 /// Writes the output of --out for the finished problems, except the figures of each strategy.
 void write_out(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
-               const ExperimentSummary& summary, const Options& options, const FigureStyle& style) {
+               const ExperimentSummary& summary, const RunOptions& options, const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
   write_tables(options.style, options.out, report_markdown(facts, summary));
   write_file((folder / "table.csv").string(), report_csv(facts, summary));
@@ -163,7 +163,7 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
 }
 
 /// The options that change the runs or their scores.
-std::string options_text(const Options& options) {
+std::string options_text(const RunOptions& options) {
   std::string text = "run";
   for (const auto& [name, value] : {std::pair{"seeds", options.seeds}, std::pair{"seed", options.seed},
                                     std::pair{"only", options.only}, std::pair{"cross", options.cross}}) {
@@ -176,7 +176,7 @@ std::string options_text(const Options& options) {
 }
 
 /// The options that change the figures.
-std::string style_text(const Options& options) {
+std::string style_text(const RunOptions& options) {
   const FigureOptions& style = options.style;
   const auto number = [](const auto& given) {
     return given ? fmt::format("{:g}", static_cast<double>(*given)) : "none";
@@ -189,7 +189,7 @@ std::string style_text(const Options& options) {
 
 /// Writes what is finished after an interruption. Returns what remains.
 Interrupted interrupted_after(std::size_t problems, const Experiment& experiment, const ExperimentResult& result,
-                              const Options& options, const FigureStyle& style, std::size_t runs) {
+                              const RunOptions& options, const FigureStyle& style, std::size_t runs) {
   std::vector<std::string> finished;
   if (problems > 0) {
     const Experiment part = part_of(experiment, 0, problems);
@@ -204,8 +204,8 @@ Interrupted interrupted_after(std::size_t problems, const Experiment& experiment
 }
 
 /// Runs problem by problem, so that finished results remain if a later problem fails.
-ExperimentResult run_problems(const Experiment& experiment, const Options& options, const SceneFigureOptions& drawing,
-                              Resume& resume) {
+ExperimentResult run_problems(const Experiment& experiment, const RunOptions& options,
+                              const SceneFigureOptions& drawing, Resume& resume) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   const std::size_t all = steps(experiment);
@@ -287,7 +287,7 @@ void warn_of_guides(const ExperimentSummary& summary) {
   }
 }
 
-SceneFigureOptions drawing_options(const Options& options) {
+SceneFigureOptions drawing_options(const RunOptions& options) {
   const bool drawn = !options.figures.empty() || !options.out.empty();
   if (options.palette && !drawn) throw Error("--palette: nothing is drawn without --figures");
   return {.colours = options.palette.value_or(0) == 0 ? draw::RoleColours::safe : draw::RoleColours::paper,
@@ -295,7 +295,7 @@ SceneFigureOptions drawing_options(const Options& options) {
           .style = figure_style(options.style, drawn)};
 }
 
-ReportKind report_kind(const Options& options) {
+ReportKind report_kind(const RunOptions& options) {
   if (!options.full) return static_cast<ReportKind>(options.report.value_or(0));
   const auto full = static_cast<std::size_t>(ReportKind::full);
   if (options.report.value_or(full) != full) {
@@ -305,7 +305,7 @@ ReportKind report_kind(const Options& options) {
 }
 
 /// \throws Error for options that contradict each other.
-void check_combination(const Options& options) {
+void check_combination(const RunOptions& options) {
   if (options.only && (options.seeds || options.seed)) {
     throw Error("--only: it is one seed; leave out --seed and --seeds");
   }
@@ -318,14 +318,14 @@ void check_combination(const Options& options) {
 }
 
 /// Whether there is an output beside that of --out.
-bool has_other_outputs(const Options& options) {
+bool has_other_outputs(const RunOptions& options) {
   const std::array outputs = {&options.json,    &options.csv,  &options.html, &options.samples,
                               &options.figures, &options.gltf, &options.learn};
   return std::any_of(outputs.begin(), outputs.end(), [](const std::string* output) { return !output->empty(); });
 }
 
 /// Returns the scores that the outputs have: without files, the overview prints a part of them.
-ScoreScope scope_of(const Options& options, ReportKind kind) {
+ScoreScope scope_of(const RunOptions& options, ReportKind kind) {
   const std::array files = {&options.json,    &options.csv,     &options.html,
                             &options.samples, &options.figures, &options.out};
   const bool none = std::all_of(files.begin(), files.end(), [](const std::string* file) { return file->empty(); });
@@ -334,7 +334,7 @@ ScoreScope scope_of(const Options& options, ReportKind kind) {
 }
 
 /// Loads the script and applies the options to its experiment.
-dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
+dsl::Program program_of(const RunOptions& options, dsl::SessionOptions session) {
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
@@ -367,13 +367,13 @@ class Writers {
 };
 
 void write_page(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
-                const ExperimentSummary& summary, const Options& options) {
+                const ExperimentSummary& summary, const RunOptions& options) {
   Progress progress(!options.quiet);
   const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
   write_html(experiment, result, facts, summary, options.html, {.progress = show});
 }
 
-int run(const Options& options) {
+int run(const RunOptions& options) {
   check_combination(options);
   const SceneFigureOptions drawing = drawing_options(options);
   const ReportKind kind = report_kind(options);
@@ -456,7 +456,7 @@ int run(const Options& options) {
 }
 
 /// Runs the script, and again each time that its files change, until a signal ends it.
-int run_and_watch(const Options& options) {
+int run_and_watch(const RunOptions& options) {
   while (true) {
     const WatchedFiles files(options.script);  // as they are before the run
     try {
@@ -474,7 +474,7 @@ int run_and_watch(const Options& options) {
 }  // namespace
 
 void add_run(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RunOptions>();
   Subcommand verb = line.add("run", "run a script's experiment and print the report",
                              [options] { return options->watch ? run_and_watch(*options) : run(*options); });
   verb.argument("SCRIPT", "FILE", options->script, "a Lua script");

@@ -40,7 +40,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct SceneOptions {
   std::string file;
   std::string robot;    ///< a drawing of its outline, "" if not given
   std::string problem;  ///< the name of one of the file's, "" for the first
@@ -400,7 +400,7 @@ draw::Canvas planar_picture(const Problem& problem) {
 }
 
 /// Draws a frame of a world of space, from where the options ask for.
-draw::Canvas spatial_picture(draw::SpatialFigure figure, const std::string& title, const Options& options) {
+draw::Canvas spatial_picture(draw::SpatialFigure figure, const std::string& title, const SceneOptions& options) {
   const draw::Point3 size = figure.hi - figure.lo;
   figure.cell = std::max({size.x, size.y, size.z});
   figure.panels.push_back({.title = title});
@@ -419,14 +419,14 @@ draw::Canvas spatial_picture(draw::SpatialFigure figure, const std::string& titl
   return draw::plot(figure);
 }
 
-void write_picture(const Options& options, const draw::Canvas& canvas) {
+void write_picture(const SceneOptions& options, const draw::Canvas& canvas) {
   if (!options.svg.empty()) write_file(options.svg, canvas.render(draw::Format::svg), Flush::none);
   if (!options.png.empty()) write_file(options.png, canvas.render(draw::Format::png), Flush::none);
 }
 
-bool draws(const Options& options) { return !options.svg.empty() || !options.png.empty(); }
+bool draws(const SceneOptions& options) { return !options.svg.empty() || !options.png.empty(); }
 
-void draw_scene(const Options& options, const Problem& problem) {
+void draw_scene(const SceneOptions& options, const Problem& problem) {
   const bool flat = problem.scene->planar() != nullptr;
   if (!options.gltf.empty()) {
     if (flat) throw Error(fmt::format("--gltf: {} is planar", options.file));
@@ -443,7 +443,7 @@ void draw_scene(const Options& options, const Problem& problem) {
 }
 
 /// Draws a mesh in the box that it fills; a flat one in a box of a hundredth of its extent.
-void draw_mesh(const Options& options, const MeshFile& file, const std::string& name) {
+void draw_mesh(const SceneOptions& options, const MeshFile& file, const std::string& name) {
   auto [lo, hi] = file.mesh->bounds();
   const double least = 0.01 * norm(hi - lo);
   if (hi.x - lo.x < least) hi.x = lo.x + least;
@@ -456,7 +456,7 @@ void draw_mesh(const Options& options, const MeshFile& file, const std::string& 
   if (!options.gltf.empty()) write_file(options.gltf, gltf(problem, gltf_form(options.gltf)), Flush::none);
 }
 
-std::string units_text(const MeshFile& file, const Options& options) {
+std::string units_text(const MeshFile& file, const SceneOptions& options) {
   const std::string unit = fmt::format("1 unit = {:g} m", file.metres_in_unit);
   if (file.up != '\0') {
     // The format's default, which most files do not state.
@@ -467,7 +467,7 @@ std::string units_text(const MeshFile& file, const Options& options) {
   return options.unit.empty() ? "metres, as no --unit says otherwise" : unit;
 }
 
-int print_mesh(const std::string& path, const Options& options) {
+int print_mesh(const std::string& path, const SceneOptions& options) {
   if (!options.robot.empty() || !options.problem.empty()) {
     throw Error(fmt::format("{}: a mesh has no robot or problem: leave out {}", options.file,
                             !options.robot.empty() ? "--robot" : "--problem"));
@@ -511,7 +511,7 @@ int print_mesh(const std::string& path, const Options& options) {
   return success;
 }
 
-int scene(const Options& options) {
+int scene(const SceneOptions& options) {
   const std::string path = dsl::find_scene(options.file, "");
   if (path.empty()) throw Error(dsl::missing_scene(options.file, ""));
   if (!options.svg.empty()) require_writable_file(options.svg);
@@ -538,7 +538,7 @@ int scene(const Options& options) {
 }  // namespace
 
 void add_scene(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SceneOptions>();
   Subcommand verb = line.add("scene", "print what is in a scene file of another project, and draw it",
                              [options] { return scene(*options); });
   verb.argument("SCENE", "FILE", options->file,

@@ -30,7 +30,7 @@ namespace {
 
 constexpr std::uint64_t most_jobs = 1024;
 
-struct Options {
+struct SweepOptions {
   std::string script;
   ScriptOptions scripts;
   std::optional<std::uint64_t> seeds;
@@ -43,15 +43,16 @@ struct Options {
   bool quiet = false;
 };
 
-dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
+dsl::Program program_of(const SweepOptions& options, dsl::SessionOptions session) {
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
   if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
+  program.experiment.ablation = 0.0;  // a sweep runs what it lists, and nothing after that
   return program;
 }
 
-std::string options_text(const Options& options) {
+std::string options_text(const SweepOptions& options) {
   std::string text = "sweep";
   if (options.seeds) text += fmt::format(" --seeds {}", *options.seeds);
   if (options.seed) text += fmt::format(" --seed {}", *options.seed);
@@ -60,7 +61,7 @@ std::string options_text(const Options& options) {
 
 /// Runs the missing cells.
 void run_missing(const Experiment& experiment, const std::vector<std::size_t>& missing, const RunList& runs,
-                 RecordFile& file, const Options& options, std::size_t all) {
+                 RecordFile& file, const SweepOptions& options, std::size_t all) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   std::mutex mutex;  // guards the progress bar and its count
@@ -96,7 +97,7 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
   });
 }
 
-int sweep(const Options& options) {
+int sweep(const SweepOptions& options) {
   if (options.out.empty()) throw Error("--out: name the folder of the records");
   dsl::SessionOptions session = session_options(options.scripts);
   const ScriptFiles files(session);
@@ -136,7 +137,7 @@ int sweep(const Options& options) {
 }  // namespace
 
 void add_sweep(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SweepOptions>();
   Subcommand verb =
       line.add("sweep", "plan a script's runs without scoring, stored one by one; continues when repeated",
                [options] { return sweep(*options); });

@@ -43,7 +43,7 @@ std::string indented(std::string_view text) {
   return all;
 }
 
-struct Options {
+struct TestOptions {
   std::vector<std::string> files;
   std::string filter;  ///< a part of the names of the scenarios to run
   std::optional<std::uint64_t> seeds;
@@ -156,7 +156,7 @@ std::string summary(const Tally& tally) {
                      part(tally.expectations, tally.failed_expectations, "expectation"));
 }
 
-int test(const Options& options) {
+int test(const TestOptions& options) {
   dsl::ScenarioFile::Options playing;
   playing.session = session_options(options.scripts);
   playing.seeds = options.seeds;
@@ -181,7 +181,7 @@ int test(const Options& options) {
 }  // namespace
 
 void add_test(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TestOptions>();
   Subcommand verb =
       line.add("test", "run the scenarios of scripts and say what holds", [options] { return test(*options); });
   verb.arguments("SCRIPT", "FILE", options->files, "Lua scripts of scenarios");

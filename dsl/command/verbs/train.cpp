@@ -24,7 +24,7 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct TrainOptions {
   std::string data;                   ///< a folder of families
   std::string out;                    ///< a file
   std::vector<std::string> families;  ///< none: all
@@ -133,7 +133,7 @@ std::string search_row(const std::string& family, const std::vector<SearchTrial>
                      means(&SearchTrial::euclidean), means(&SearchTrial::a_star), fewer, more);
 }
 
-int train_search(const Options& options, const std::vector<std::string>& families) {
+int train_search(const TrainOptions& options, const std::vector<std::string>& families) {
   SearchTrainingSettings settings;
   settings.forest.seed = options.seed.value_or(settings.forest.seed);
   settings.samples = count(options.samples, settings.samples);
@@ -164,7 +164,7 @@ int train_search(const Options& options, const std::vector<std::string>& familie
   return success;
 }
 
-int train(const Options& options) {
+int train(const TrainOptions& options) {
   if (!options.search && (options.cells || options.rounds)) {
     throw Error(
         fmt::format("--{}: only a search heuristic is trained by searches of grids; expected together with "
@@ -202,7 +202,7 @@ int train(const Options& options) {
 }  // namespace
 
 void add_train(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TrainOptions>();
   Subcommand verb =
       line.add("train", "train a heuristic to imitate exact search on worlds", [options] { return train(*options); });
   verb.text("--data", "FOLDER", options->data,

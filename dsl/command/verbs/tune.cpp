@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t most_jobs = 1024;
 
-struct Options {
+struct TuneOptions {
   std::string script;
   ScriptOptions scripts;
   std::optional<std::uint64_t> budget;
@@ -29,7 +29,7 @@ struct Options {
   bool quiet = false;
 };
 
-int tune(const Options& options) {
+int tune(const TuneOptions& options) {
   constexpr int unbounded_width = 120;
   dsl::SessionOptions session = session_options(options.scripts);
   session.seed = options.seed.value_or(session.seed);
@@ -59,7 +59,7 @@ int tune(const Options& options) {
 }  // namespace
 
 void add_tune(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TuneOptions>();
   Subcommand verb = line.add("tune", "select the best values of a strategy by successive halving over seeds",
                              [options] { return tune(*options); });
   verb.argument("SCRIPT", "FILE", options->script, "a Lua script that returns tune(...)");

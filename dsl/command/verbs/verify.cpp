@@ -21,7 +21,7 @@ namespace trellis::command {
 
 namespace {
 
-struct Options {
+struct VerifyOptions {
   std::vector<std::string> files;     ///< documents of trellis run --json
   std::string script;                 ///< replaces the script that the documents name, "" if not given
   std::optional<std::uint64_t> seed;  ///< of math.random while the script loads
@@ -58,7 +58,7 @@ const Problem& problem_of(const std::vector<Problem>& problems, const std::strin
                           did_you_mean(name, known)));
 }
 
-int verify(const Options& options) {
+int verify(const VerifyOptions& options) {
   dsl::SessionOptions session = session_options(options.scripts);
   session.seed = options.seed.value_or(session.seed);
   std::size_t verified = 0;
@@ -97,7 +97,7 @@ int verify(const Options& options) {
 }  // namespace
 
 void add_verify(CommandLine& line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<VerifyOptions>();
   Subcommand verb = line.add("verify", "certify the paths in results of trellis run again", [options] {
     name_documents(options->files);
     return verify(*options);
