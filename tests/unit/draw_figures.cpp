@@ -108,6 +108,21 @@ TEST_CASE("a waterfall says what has no value", "[draw]") {
   CHECK(none[0].text == "n/a");
 }
 
+TEST_CASE("a waterfall in which nothing adds anything is flat", "[draw]") {
+  WaterfallPanel flat = passage();
+  for (auto& level : flat.levels) level = {"level", -1e-15, -1e-15, 1e-15};
+  flat.root = {"root", -3e-15, -3e-15, 1e-15};
+  Waterfall source{.title = "title"};
+  source.panels = {flat};
+  const Figure figure = waterfall(source);
+  REQUIRE(figure.panels.front().y.lo.has_value());
+  CHECK(*figure.panels.front().y.lo <= -0.1);
+  CHECK(*figure.panels.front().y.hi >= 0.1);
+  // One bar that can be seen, in any panel, decides the axis of all.
+  source.panels.push_back(passage());
+  for (const Panel& panel : waterfall(source).panels) CHECK_FALSE(panel.y.lo.has_value());
+}
+
 TEST_CASE("waterfalls are drawn", "[draw]") {
   WaterfallPanel odd = passage();
   odd.levels = {{"inf", infinity, not_a_number, not_a_number},

@@ -152,7 +152,7 @@ TEST_CASE("a level that was not left out is not tested, whatever its samples are
   CHECK(has(text, "not tested"));
   CHECK_FALSE(has(text, "costs ×"));
   CHECK_FALSE(has(text, "leave out"));
-  CHECK(has(text, "--ablation 1 tests which levels pay"));
+  CHECK(has(text, "trellis run --ablation 1, or trellis sweep --ablate, tests which levels pay"));
   experiment.ablation = 1.0;
   CHECK(has(overview(experiment, result), "--ablation 4 allows more work"));
 }

@@ -91,9 +91,15 @@ std::vector<WaterfallBar> waterfall_bars(const WaterfallPanel& panel) {
 Figure waterfall(const Waterfall& waterfall) {
   Figure figure{.title = waterfall.title, .caption = waterfall.caption, .share_y = true};
   std::size_t most = 0;
+  double largest = 0.0;
   for (const auto& source : waterfall.panels) {
     const auto bars = waterfall_bars(source);
     most = std::max(most, bars.size());
+    for (const auto& bar : bars) {
+      for (const double end : {bar.from, bar.to, bar.lo, bar.hi}) {
+        if (std::isfinite(end)) largest = std::max(largest, std::abs(end));
+      }
+    }
     Panel panel{.title = source.title};
     panel.y.label = "above uniform sampling (nats, more is better)";
     for (const auto& bar : bars) panel.x.categories.push_back(bar.label);
@@ -109,6 +115,14 @@ Figure waterfall(const Waterfall& waterfall) {
       panel.connectors.push_back({{x + 0.33, level}, {x + 0.67, level}});
     }
     figure.panels.push_back(std::move(panel));
+  }
+  // Where nothing adds anything, the bars show that, not how it was rounded.
+  constexpr double least = 0.5;
+  if (largest < least) {
+    for (Panel& panel : figure.panels) {
+      panel.y.lo = -least;
+      panel.y.hi = least;
+    }
   }
   constexpr std::size_t side_by_side = 7;
   figure.columns = most <= side_by_side ? 2 : 1;

@@ -335,7 +335,8 @@ std::string next_step(const ExperimentSummary& experiment, const std::vector<Sec
       return fmt::format("--seeds 15 tests which levels pay; {} cannot show it",
                          plural(experiment.seeds.size(), "seed"));
     }
-    if (experiment.ablation == 0.0) return "--ablation 1 tests which levels pay, in as much work as this took";
+    if (experiment.ablation == 0.0)
+      return "trellis run --ablation 1, or trellis sweep --ablate, tests which levels pay";
     return fmt::format("--ablation {:g} allows more work for the test of which levels pay", 4.0 * experiment.ablation);
   }
   if (open != nullptr) {
