@@ -249,7 +249,7 @@ constexpr draw::Ink256 tree_ink = {.colour = 33, .rank = 2};
 constexpr draw::Ink256 path_ink = {.colour = 203, .rank = 3, .alone = true};
 /// Paths of the robots of a team that are beside each other differ.
 constexpr draw::Ink256 path_ink_of(std::size_t robot) {
-  constexpr std::array colours = {203, 114, 221, 141, 80, 208};
+  constexpr std::array<std::uint8_t, 6> colours = {203, 114, 221, 141, 80, 208};
   draw::Ink256 ink = path_ink;
   ink.colour = colours[robot % colours.size()];
   return ink;

@@ -234,14 +234,14 @@ constexpr std::array<const char*, 10> ompl_status = {"Unknown status", "Invalid 
                                                      "Abort",          "Infeasible"};
 
 std::int64_t ompl_status_of(const std::string& status) {
-  static const std::map<std::string_view, std::string_view> names = {{"solved", "Exact solution"},
-                                                                     {"budget_spent", "Timeout"},
-                                                                     {"no_path", "Infeasible"},
-                                                                     {"invalid_start", "Invalid start"},
-                                                                     {"invalid_goal", "Invalid goal"}};
-  const auto name = names.find(status);
+  static const std::map<std::string_view, std::string_view> ompl_names = {{"solved", "Exact solution"},
+                                                                          {"budget_spent", "Timeout"},
+                                                                          {"no_path", "Infeasible"},
+                                                                          {"invalid_start", "Invalid start"},
+                                                                          {"invalid_goal", "Invalid goal"}};
+  const auto name = ompl_names.find(status);
   const auto* const at =
-      std::find(ompl_status.begin(), ompl_status.end(), name == names.end() ? "Unknown status" : name->second);
+      std::find(ompl_status.begin(), ompl_status.end(), name == ompl_names.end() ? "Unknown status" : name->second);
   return at - ompl_status.begin();
 }
 

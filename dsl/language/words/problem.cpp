@@ -635,14 +635,14 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
       }
     });
   }
-  const auto read_end = [&](const char* name, Configuration& end, std::optional<Pose3>& as_pose) {
-    const Value value = call[2].field(name);
+  const auto read_end = [&](const char* option, Configuration& end, std::optional<Pose3>& as_pose) {
+    const Value value = call[2].field(option);
     if (!value.given()) return;
     faults.attempt([&] {
       if (const auto* pose = value.get<Pose3>()) {
         as_pose = *pose;
       } else {
-        end = read_numbers(value, fmt::format("scenes.load: option '{}'", name));
+        end = read_numbers(value, fmt::format("scenes.load: option '{}'", option));
       }
     });
   };

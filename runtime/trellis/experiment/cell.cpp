@@ -100,7 +100,7 @@ RunResult make_cell(const std::string& strategy, const std::string& problem, std
   result.run = std::move(run);
   result.cpu_seconds = result.run.cpu_seconds;
   result.levels.reserve(result.run.levels.size());
-  for (auto& record : result.run.levels) result.levels.push_back({.record = std::move(record)});
+  for (auto& record : result.run.levels) result.levels.emplace_back().record = std::move(record);
   result.run.levels.clear();
   return result;
 }

@@ -447,7 +447,10 @@ void forget_scores(ExperimentResult& result) {
   for (RunResult& run : result.runs) {
     run.target = {};
     for (LevelResult& level : run.levels) {
-      level = {.record = std::move(level.record), .rejections = std::move(level.rejections)};
+      LevelResult unscored;
+      unscored.record = std::move(level.record);
+      unscored.rejections = std::move(level.rejections);
+      level = std::move(unscored);
     }
     release(run);
   }

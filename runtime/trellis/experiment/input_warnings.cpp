@@ -189,11 +189,11 @@ std::string narrow_warning(const Problem& problem) {
     const Space plane = point->default_space(1.0);
     const auto validity = make_validity("planar", point, plane, problem.resolution, nullptr);
     // Links between points of the axis, with the least clearance on them; then those of start and goals.
-    struct Link {
+    struct Passage {
       double clearance;
       std::size_t from, to;
     };
-    std::vector<Link> links;
+    std::vector<Passage> links;
     const std::size_t ends = 1 + problem.goals.size();
     std::size_t count = ends + axis.vertices.size();
     const auto view = [](Vec2 p) { return Configuration{p.x, p.y}; };
@@ -221,9 +221,9 @@ std::string narrow_warning(const Problem& problem) {
         links.push_back({about ? std::max(clearances[i], radius) : clearances[i], end, samples[i].second});
       }
     }
-    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.clearance > b.clearance; });
+    std::sort(links.begin(), links.end(), [](const Passage& a, const Passage& b) { return a.clearance > b.clearance; });
     WidestRoutes routes(count);
-    for (const Link& link : links) {
+    for (const Passage& link : links) {
       routes.join(link.from, link.to);
       for (std::size_t goal = 1; goal < ends; ++goal) {
         if (!routes.joined(0, goal)) continue;

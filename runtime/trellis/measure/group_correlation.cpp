@@ -89,7 +89,8 @@ GroupCorrelation group_rank_correlation(std::span<const PairGroup> groups, doubl
     all.add(one);
     counted += one.aa > 0.0 ? 1 : 0;
   }
-  GroupCorrelation result{.groups = groups.size()};
+  GroupCorrelation result;
+  result.groups = groups.size();
   result.resampled.reserve(samples);
   // Groups that do not count are drawn too, so that the samples of two correlations are of the same groups.
   Stream random(0, "", "bootstrap");

@@ -71,7 +71,8 @@ std::optional<CostCorrelation> cost_correlation(const CostData& data, const std:
   }
   std::erase_if(by_problem, [](const auto& entry) { return entry.second.size() < least_strategies; });
   if (by_problem.size() < least_problems) return std::nullopt;
-  CostCorrelation result{.problems = by_problem.size()};
+  CostCorrelation result;
+  result.problems = by_problem.size();
   std::array<std::vector<PairGroup>, predictors.size()> groups;
   for (const auto& [problem, dots] : by_problem) {
     result.cross += nats.cross.contains(problem) ? 1 : 0;

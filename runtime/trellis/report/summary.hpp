@@ -165,7 +165,7 @@ struct Headline {
   double perfect = std::numeric_limits<double>::quiet_NaN();
   /// -log of the share of the samples in the target, with the 5 % uniform ones.
   double mass = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::string> flags;
+  std::vector<std::string> flags = {};
   std::size_t seeds = 0;  ///< of all seeds together: their number; 0: over the runs
   std::size_t runs = 0;   ///< scored ones
 };

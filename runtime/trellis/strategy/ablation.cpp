@@ -95,7 +95,10 @@ std::string guide_key(const std::string& level_key) {
     const std::size_t end = std::min(level_key.find('/', at), level_key.size());
     // A guide's number is 0; the number of a try to divide an instance is at least 1.
     half = level_key[at] != '0';
-    if (!half) key += (key.empty() ? "" : "/") + level_key.substr(at, end - at);
+    if (!half) {
+      if (!key.empty()) key += '/';
+      key.append(level_key, at, end - at);
+    }
     at = end + 1;
   }
   return half || key == "0" ? "" : key;

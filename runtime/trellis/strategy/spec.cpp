@@ -112,7 +112,9 @@ bool is_open(const GuideSpec& guide) {
   throw Fault("unknown kind of guide");
 }
 
-std::string bracketed(const GuideSpec& guide) { return is_open(guide) ? "(" + guide.text() + ")" : guide.text(); }
+std::string bracketed(const GuideSpec& guide) {
+  return is_open(guide) ? fmt::format("({})", guide.text()) : guide.text();
+}
 
 /// The text before `>>`. This operator is associative and binds weaker than the combining operators.
 std::string in_front(const GuideSpec& guide) {

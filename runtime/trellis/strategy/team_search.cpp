@@ -139,8 +139,8 @@ class TeamSearch final : public Planner {
   /// Begins the next search.
   void begin_part() {
     if (groups_.empty()) {
-      if (division_.given) groups_.push_back({members_along(*division_.given), *division_.given});
-      for (const std::size_t i : division_.order) groups_.push_back({{i}, {}});
+      if (division_.given) groups_.push_back({members_along(*division_.given), *division_.given, {}});
+      for (const std::size_t i : division_.order) groups_.push_back({{i}, {}, {}});
       if (division_.how != Coordination::order) {
         std::sort(groups_.begin(), groups_.end(), [](const Group& a, const Group& b) { return a.robots < b.robots; });
       }

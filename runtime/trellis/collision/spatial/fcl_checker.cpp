@@ -581,8 +581,8 @@ class SpatialFclChecker final : public Checker {
         }
       }
       // Close to contact inflated shapes show more than such a distance does.
-      for (const double share : {0.5, 0.1, 0.0}) {
-        const double inflated = share * std::max(std::min(found, margin) - displacement, 0.0);
+      for (const double part : {0.5, 0.1, 0.0}) {
+        const double inflated = part * std::max(std::min(found, margin) - displacement, 0.0);
         if (sure > inflated || displacement >= margin) break;
         if (!certainly_apart(pose, displacement + inflated)) continue;
         sure = std::max(inflated, checker_.slack_);

@@ -561,10 +561,10 @@ class Builder {
 
     // The narrowest point decides which robots pass, so it is always a sample.
     if (const auto narrowest = narrowest_between(exact_[a], exact_[b])) {
-      const auto side = [&](Vec2 p) { return cross(narrowest->across, p - narrowest->point); };
+      const auto beyond = [&](Vec2 p) { return cross(narrowest->across, p - narrowest->point); };
       for (std::size_t i = 1; i < points.size(); ++i) {
         const double length = norm(points[i] - points[i - 1]);
-        if (side(points[i - 1]) * side(points[i]) < 0.0 && norm(narrowest->point - points[i - 1]) < length &&
+        if (beyond(points[i - 1]) * beyond(points[i]) < 0.0 && norm(narrowest->point - points[i - 1]) < length &&
             norm(narrowest->point - points[i]) < length) {
           points.insert(points.begin() + static_cast<std::ptrdiff_t>(i), narrowest->point);
           break;

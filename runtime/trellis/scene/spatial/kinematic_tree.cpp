@@ -20,13 +20,20 @@ std::pair<Vec3, Vec3> across(const Vec3& axis) {
 
 namespace {
 
+/// The pose of the child frame of a joint with at most one coordinate, in the joint's frame.
+Pose3 moved_by(Joint::Kind kind, const Vec3& axis, double value) {
+  if (kind == Joint::Kind::fixed) return {};
+  if (kind == Joint::Kind::prismatic) return {value * axis, {}};
+  return {{}, rotation_of(value * axis)};
+}
+
 /// The pose of a joint's child frame in the joint's frame.
 Pose3 moved(Joint::Kind kind, const Vec3& axis, View values) {
   switch (kind) {
     case Joint::Kind::fixed: return {};
     case Joint::Kind::revolute:
-    case Joint::Kind::continuous: return {{}, rotation_of(values[0] * axis)};
-    case Joint::Kind::prismatic: return {values[0] * axis, {}};
+    case Joint::Kind::continuous:
+    case Joint::Kind::prismatic: return moved_by(kind, axis, values[0]);
     case Joint::Kind::planar: {
       const auto [u, v] = across(axis);
       return {values[0] * u + values[1] * v, rotation_of(values[2] * axis)};
@@ -341,7 +348,7 @@ Pose3 Manipulator::joint_pose(std::size_t body, View q) const {
   const Body& of = bodies_[body];
   if (of.kind == Joint::Kind::planar) return of.origin * moved(of.kind, of.axis, q.subspan(of.column, 3));
   const double value = of.multiplier * q[of.column] + of.offset;
-  return of.origin * moved(of.kind, of.axis, View(&value, 1));
+  return of.origin * moved_by(of.kind, of.axis, value);
 }
 
 void Manipulator::poses(View q, std::vector<Pose3>& out) const {

@@ -115,7 +115,7 @@ class Manipulator {
   /// A part that moves as a whole: links between which no joint moves.
   struct Body {
     std::string name;  ///< of its first link
-    std::vector<std::size_t> links;
+    std::vector<std::size_t> links = {};
     std::size_t parent = 0;  ///< the body that carries it; its own number for the base
     Pose3 origin = {};       ///< of its joint's frame in the parent's frame
     Joint::Kind kind = Joint::Kind::fixed;
@@ -123,8 +123,8 @@ class Manipulator {
     std::size_t column = 0;   ///< of its joint's first coordinate
     double multiplier = 1.0;  ///< of a joint that follows another
     double offset = 0.0;
-    std::vector<Solid> solids;  ///< in its frame
-    double radius = 0.0;        ///< largest distance of its points from the origin of its frame
+    std::vector<Solid> solids = {};  ///< in its frame
+    double radius = 0.0;             ///< largest distance of its points from the origin of its frame
   };
 
   /// \param moving  joints with coordinates, ascending; joints that follow them move too
