@@ -53,15 +53,13 @@ class SphereChecker final : public Checker {
 
   [[nodiscard]] bool valid(View q) const override {
     if (!is_finite(q, robot_.dimension())) return false;
-    if (!batched_) return free_at(q);
-    for (std::size_t j = 0; j < robot_.dimension(); ++j) {
-      for (double& value : values_[j].v) value = q[j];
-    }
-    return (met(1U) & 1U) == 0;
+    return batched_ ? !touches(q) : free_at(q);
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
+    // The end is the first configuration of a motion, and most invalid motions of a search end in contact.
+    if (batched_ && touches(b)) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(displacement(a, b), resolution_);
     const Order& order = order_of(n);
     const MotionReport valid{true, n, std::numeric_limits<double>::quiet_NaN()};
@@ -73,7 +71,12 @@ class SphereChecker final : public Checker {
       }
       return valid;
     }
-    for (std::uint32_t rank = 0; rank < n; rank += kernel::lanes) {
+    // Most of the others touch something in the second one.
+    if (n > 1) {
+      space_.interpolate(a, b, order.share(1), q_);
+      if (touches(q_)) return {false, 2, order.share(1)};
+    }
+    for (std::uint32_t rank = 0; rank < n && n > 2; rank += kernel::lanes) {
       for (std::uint32_t lane = 0; lane < kernel::lanes; ++lane) {
         space_.interpolate(a, b, order.share(rank + lane), q_);
         for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
@@ -173,6 +176,7 @@ class SphereChecker final : public Checker {
     frames3_.resize(12 * bodies);
     centres_.resize(3 * shared_->ball_count());
     candidates_.resize(shared_->kernel_scene().solid_count + bodies);
+    one_.emplace(*shared_, BodyFrame{matrix_of(base_.orientation), base_.position});
     const Matrix3 base = matrix_of(base_.orientation);
     for (double& value : frames3_[9].v) value = base_.position.x;
     for (double& value : frames3_[10].v) value = base_.position.y;
@@ -180,6 +184,11 @@ class SphereChecker final : public Checker {
     for (std::size_t k = 0; k < 9; ++k) {
       for (double& value : frames3_[k].v) value = base[k];
     }
+  }
+  /// Whether the robot touches something at q.
+  [[nodiscard]] bool touches(View q) const {
+    return kernel_.touches(chain().data(), static_cast<unsigned>(chain().size()), q.data(), shared_->kernel_scene(),
+                           one_->get());
   }
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return shared_->chain(); }
   /// The bits of the first lanes, at most of all.
@@ -552,6 +561,7 @@ class SphereChecker final : public Checker {
   mutable std::vector<kernel::Lanes> rates_;
   mutable std::vector<kernel::Lanes> centres_;
   mutable std::vector<unsigned> candidates_;
+  mutable std::optional<ConfigurationMemory> one_;
   mutable std::vector<BodyFrame> frames_;          ///< of each body in the world
   mutable std::vector<std::vector<Vec3>> placed_;  ///< the centres of each body's balls
 };

@@ -2,6 +2,9 @@
 #include <trellis/collision/spatial/sphere_scene.hpp>
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/cache_by_world.hpp>
@@ -101,6 +104,39 @@ BodySphere enclosing(const std::vector<BodySphere>& balls) {
   // More than rounding, so that it contains the others.
   best.radius *= 1.0 + 1e-12;
   return best;
+}
+
+/// Sorts balls so that each eight are near each other: halves them across their longest side.
+void group(std::span<kernel::Ball> balls) {
+  constexpr std::size_t lanes = kernel::lanes;
+  if (balls.size() <= lanes) return;
+  double longest = -1.0;
+  double kernel::Ball::*along = nullptr;
+  for (const auto axis : {&kernel::Ball::x, &kernel::Ball::y, &kernel::Ball::z}) {
+    const auto [lo, hi] = std::ranges::minmax(balls, {}, axis);
+    if (const double side = hi.*axis - lo.*axis; side > longest) longest = side, along = axis;
+  }
+  std::ranges::stable_sort(balls, {}, along);
+  const std::size_t half = (balls.size() / 2 + lanes - 1) / lanes * lanes;
+  group(balls.first(half));
+  group(balls.subspan(half));
+}
+
+/// Moves the ball to the front about whose centre the ball that contains all is smallest, and returns its radius.
+double put_central_first(std::span<kernel::Ball> balls) {
+  const auto containing = [&](const kernel::Ball& central) {
+    double radius = 0.0;
+    for (const kernel::Ball& ball : balls) {
+      const Vec3 d{ball.x - central.x, ball.y - central.y, ball.z - central.z};
+      radius = std::max(radius, norm(d) + ball.radius);
+    }
+    return radius;
+  };
+  const auto central = std::ranges::min_element(balls, {}, containing);
+  // More than rounding.
+  const double radius = containing(*central) * (1.0 + 1e-12);
+  std::iter_swap(balls.begin(), central);
+  return radius;
 }
 
 }  // namespace
@@ -247,12 +283,17 @@ void SphereScene::make_batches(const World3& world, double slack) {
   }
   for (const PlacedCloud& cloud : obstacles_->clouds) clouds_.push_back(cloud.grid.data());
   list_reached(slack);
+  add_rows();
+  add_ball_blocks();
+  add_solid_blocks();
   for (const auto& [a, b] : model_.pairs()) {
     pairs_.push_back(static_cast<unsigned>(a));
     pairs_.push_back(static_cast<unsigned>(b));
   }
   scene_.solids = solids_.data();
   scene_.solid_count = static_cast<unsigned>(solids_.size());
+  scene_.solid_blocks = solid_blocks_.data();
+  scene_.solid_block_count = static_cast<unsigned>(solid_blocks_.size());
   scene_.clouds = clouds_.data();
   scene_.cloud_count = static_cast<unsigned>(clouds_.size());
   scene_.reached = reached_.data();
@@ -265,6 +306,86 @@ void SphereScene::make_batches(const World3& world, double slack) {
     scene_.lo[k] = k == 0 ? lo.x : k == 1 ? lo.y : lo.z;
     scene_.hi[k] = k == 0 ? hi.x : k == 1 ? hi.y : hi.z;
   }
+}
+
+/// Adds the joints by rows.
+void SphereScene::add_rows() {
+  for (const kernel::ChainBody& body : chain_) {
+    kernel::JointRows& rows = rows_.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        rows.origin[4 * i + j] = body.origin[3 * i + j];
+        if (body.slides) continue;
+        rows.once[4 * i + j] = body.once[3 * i + j];
+        rows.twice[4 * i + j] = body.twice[3 * i + j];
+      }
+      rows.origin[4 * i + 3] = body.position[i];
+      if (body.slides) rows.once[4 * i + 3] = body.axis[i];
+    }
+  }
+  for (std::size_t b = 0; b < chain_.size(); ++b) chain_[b].rows = &rows_[b];
+}
+
+/// Adds the balls of each body, eight that are near each other to a block.
+void SphereScene::add_ball_blocks() {
+  for (kernel::ChainBody& body : chain_) {
+    body.first_block = static_cast<unsigned>(block_radii_.size());
+    if (body.ball_count == 0) continue;
+    std::vector<kernel::Ball> balls(body.balls + 1, body.balls + body.ball_count);
+    group(balls);
+    for (std::size_t begin = 0; begin < balls.size(); begin += kernel::lanes) {
+      const std::span<kernel::Ball> own =
+          std::span(balls).subspan(begin).first(std::min<std::size_t>(kernel::lanes, balls.size() - begin));
+      block_radii_.push_back(put_central_first(own));
+      ball_blocks_.resize(ball_blocks_.size() + 4);
+      kernel::Lanes* block = &ball_blocks_[ball_blocks_.size() - 4];
+      for (unsigned lane = 0; lane < kernel::lanes; ++lane) {
+        const bool there = lane < own.size();
+        const kernel::Ball& ball = own[there ? lane : 0];
+        block[0].v[lane] = ball.x;
+        block[1].v[lane] = ball.y;
+        block[2].v[lane] = ball.z;
+        block[3].v[lane] = there ? ball.radius : std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+    body.block_count = static_cast<unsigned>(block_radii_.size()) - body.first_block;
+  }
+  for (kernel::ChainBody& body : chain_) {
+    body.ball_blocks = ball_blocks_.data() + std::size_t{4} * body.first_block;
+    body.block_radii = block_radii_.data() + body.first_block;
+  }
+}
+
+/// Adds the solids by kind, eight to a block.
+void SphereScene::add_solid_blocks() {
+  using Kind = kernel::Solid3::Kind;
+  constexpr std::size_t values = 15;
+  constexpr double far = 1e100;
+  for (const Kind kind : {Kind::sphere, Kind::box, Kind::cylinder, Kind::capsule}) {
+    unsigned lane = kernel::lanes;
+    for (unsigned s = 0; s < solids_.size(); ++s) {
+      const kernel::Solid3& solid = solids_[s];
+      if (solid.kind != kind) continue;
+      if (lane == kernel::lanes) {
+        lane = 0;
+        solid_blocks_.push_back({.kind = kind});
+        solid_values_.resize(solid_values_.size() + values);
+        kernel::Lanes* of = &solid_values_[solid_values_.size() - values];
+        for (const std::size_t k : {0, 3, 7, 11}) {
+          for (double& x : of[k].v) x = k == 0 ? far : 1.0;
+        }
+      }
+      kernel::Lanes* of = &solid_values_[solid_values_.size() - values];
+      const bool box = kind == Kind::box;
+      const std::array<double, 6> others = {
+          solid.x, solid.y, solid.z, box ? solid.hx : solid.radius, box ? solid.hy : solid.length, solid.hz};
+      for (std::size_t k = 0; k < 3; ++k) of[k].v[lane] = others[k];
+      for (std::size_t k = 0; k < 9; ++k) of[3 + k].v[lane] = solid.r[k];
+      for (std::size_t k = 0; k < 3; ++k) of[12 + k].v[lane] = others[3 + k];
+      solid_blocks_.back().solid[lane++] = s;
+    }
+  }
+  for (std::size_t k = 0; k < solid_blocks_.size(); ++k) solid_blocks_[k].values = &solid_values_[values * k];
 }
 
 /// Lists the solids that each body can touch: those within the lengths of the links that carry it.
@@ -289,6 +410,26 @@ void SphereScene::list_reached(double slack) {
     }
     chain_[b].reached_end = static_cast<unsigned>(reached_.size());
   }
+}
+
+ConfigurationMemory::ConfigurationMemory(const SphereScene& scene, const BodyFrame& base)
+    : angles_(3 * ((scene.chain().size() + kernel::lanes - 1) / kernel::lanes)),
+      frames_(scene.chain().size()),
+      placed_(scene.chain().size()),
+      centres_(3 * scene.block_count()) {
+  placed_[0] = 1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) frames_[0].of[4 * i + j] = base.r[3 * i + j];
+  }
+  frames_[0].of[3] = base.p.x;
+  frames_[0].of[7] = base.p.y;
+  frames_[0].of[11] = base.p.z;
+  // Contact is likelier far from the base.
+  for (std::size_t b = scene.chain().size(); b-- > 1;) {
+    if (scene.chain()[b].ball_count > 0) order_.push_back(static_cast<unsigned>(b));
+  }
+  memory_ = {angles_.data(),  frames_[0].of.data(), placed_.data(),
+             centres_.data(), order_.data(),        static_cast<unsigned>(order_.size())};
 }
 
 }  // namespace trellis
