@@ -70,18 +70,18 @@ class OneChain {
   bool touch(unsigned a, unsigned b) {
     const ChainBody& first = bodies_[a];
     const ChainBody& second = bodies_[b];
-    const double slack = scene_.slack;
+    const V slack = spread(scene_.slack);
     for (unsigned k = 0; k < first.block_count; ++k) {
-      const V3 one = ball(a, k, 0);
       for (unsigned l = 0; l < second.block_count; ++l) {
         const V3 two = centres(b, l);
         const V radius = radii(b, l);
-        const double reach = first.block_radii[k] + second.block_radii[l] + slack;
-        const V3 between = one - ball(b, l, 0);
-        if (bits(dot(between, between) <= spread(reach * reach)) == 0) continue;
-        for (unsigned i = 0; i < lanes; ++i) {
+        const V3 other = ball(b, l, 0);
+        const V3 apart = centres(a, k) - other;
+        const V reach = (radii(a, k) + spread(second.block_radii[l])) + slack;
+        for (unsigned near = bits(dot(apart, apart) <= reach * reach); near != 0; near &= near - 1) {
+          const auto i = static_cast<unsigned>(__builtin_ctz(near));
           const V3 d = ball(a, k, i) - two;
-          const V far = (spread(first.ball_blocks[4UL * k + 3].v[i]) + radius) + spread(slack);
+          const V far = (spread(first.ball_blocks[4UL * k + 3].v[i]) + radius) + slack;
           if (bits(dot(d, d) <= far * far) != 0) return true;
         }
       }

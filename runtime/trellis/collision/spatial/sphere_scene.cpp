@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <mutex>
 #include <span>
 
 #include <trellis/base/error.hpp>
@@ -139,6 +140,62 @@ double put_central_first(std::span<kernel::Ball> balls) {
   return radius;
 }
 
+/// Adds the balls of a body, of which the first one contains the others, eight that are near each other to a block.
+void add_blocks(std::vector<kernel::Ball> balls, KernelBalls& to) {
+  group(balls);
+  for (std::size_t begin = 0; begin < balls.size(); begin += kernel::lanes) {
+    const std::size_t count = std::min<std::size_t>(kernel::lanes, balls.size() - begin);
+    const std::span<kernel::Ball> own = std::span(balls).subspan(begin, count);
+    to.radii.push_back(put_central_first(own));
+    to.blocks.resize(to.blocks.size() + 4);
+    kernel::Lanes* block = &to.blocks[to.blocks.size() - 4];
+    for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
+      const kernel::Ball& ball = own[lane < count ? lane : 0];
+      block[0].v[lane] = ball.x;
+      block[1].v[lane] = ball.y;
+      block[2].v[lane] = ball.z;
+      block[3].v[lane] = lane < count ? ball.radius : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+using Balls = std::vector<std::vector<BodySphere>>;
+
+KernelBalls make_balls(const Balls& bodies) {
+  KernelBalls made;
+  for (const std::vector<BodySphere>& balls : bodies) {
+    made.first_block.push_back(static_cast<unsigned>(made.radii.size()));
+    if (balls.empty()) continue;
+    const std::size_t begin = made.balls.size();
+    const auto add = [&](const BodySphere& ball) {
+      made.balls.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
+    };
+    add(enclosing(balls));
+    std::for_each(balls.begin() + 1, balls.end(), add);
+    add_blocks({made.balls.begin() + static_cast<std::ptrdiff_t>(begin) + 1, made.balls.end()}, made);
+  }
+  made.first_block.push_back(static_cast<unsigned>(made.radii.size()));
+  return made;
+}
+
+/// Those of the last few robots are known: they cost more to make than an easy search.
+std::shared_ptr<const KernelBalls> balls_of(const Balls& bodies) {
+  constexpr std::size_t most = 8;
+  static std::mutex mutex;
+  static std::vector<std::pair<Balls, std::shared_ptr<const KernelBalls>>> known;
+  const auto same = [](const BodySphere& a, const BodySphere& b) {
+    return a.centre.x == b.centre.x && a.centre.y == b.centre.y && a.centre.z == b.centre.z && a.radius == b.radius;
+  };
+  const std::scoped_lock lock(mutex);
+  for (const auto& [of, made] : known) {
+    if (std::ranges::equal(of, bodies, [&](const auto& a, const auto& b) { return std::ranges::equal(a, b, same); })) {
+      return made;
+    }
+  }
+  if (known.size() == most) known.erase(known.begin());
+  return known.emplace_back(bodies, std::make_shared<const KernelBalls>(make_balls(bodies))).second;
+}
+
 }  // namespace
 
 double PlacedCloud::distance(const Vec3& p, double at_most) const {
@@ -236,13 +293,8 @@ void SphereScene::make_batches(const World3& world, double slack) {
     return body.kind == Joint::Kind::planar;
   });
   if (!batched_) return;
+  balls_ = balls_of(model_.bodies());
   unsigned centres = 0;
-  for (const auto& balls : model_.bodies()) {
-    for (const BodySphere& ball : balls) balls_.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
-    if (balls.empty()) continue;
-    const BodySphere whole = enclosing(balls);
-    balls_[balls_.size() - balls.size()] = {whole.centre.x, whole.centre.y, whole.centre.z, whole.radius};
-  }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Manipulator::Body& body = bodies[b];
     kernel::ChainBody& made = chain_.emplace_back();
@@ -262,10 +314,14 @@ void SphereScene::make_batches(const World3& world, double slack) {
     made.axis[0] = axis.x;
     made.axis[1] = axis.y;
     made.axis[2] = axis.z;
-    made.balls = balls_.data() + centres;
+    made.balls = balls_->balls.data() + centres;
     made.ball_count = static_cast<unsigned>(model_.bodies()[b].size());
     made.first_centre = centres;
     centres += made.ball_count;
+    made.first_block = balls_->first_block[b];
+    made.block_count = balls_->first_block[b + 1] - made.first_block;
+    made.ball_blocks = balls_->blocks.data() + std::size_t{4} * made.first_block;
+    made.block_radii = balls_->radii.data() + made.first_block;
   }
   for (const Primitive& primitive : obstacles_->primitives) {
     kernel::Solid3& made = solids_.emplace_back();
@@ -284,7 +340,6 @@ void SphereScene::make_batches(const World3& world, double slack) {
   for (const PlacedCloud& cloud : obstacles_->clouds) clouds_.push_back(cloud.grid.data());
   list_reached(slack);
   add_rows();
-  add_ball_blocks();
   add_solid_blocks();
   for (const auto& [a, b] : model_.pairs()) {
     pairs_.push_back(static_cast<unsigned>(a));
@@ -324,36 +379,6 @@ void SphereScene::add_rows() {
     }
   }
   for (std::size_t b = 0; b < chain_.size(); ++b) chain_[b].rows = &rows_[b];
-}
-
-/// Adds the balls of each body, eight that are near each other to a block.
-void SphereScene::add_ball_blocks() {
-  for (kernel::ChainBody& body : chain_) {
-    body.first_block = static_cast<unsigned>(block_radii_.size());
-    if (body.ball_count == 0) continue;
-    std::vector<kernel::Ball> balls(body.balls + 1, body.balls + body.ball_count);
-    group(balls);
-    for (std::size_t begin = 0; begin < balls.size(); begin += kernel::lanes) {
-      const std::span<kernel::Ball> own =
-          std::span(balls).subspan(begin).first(std::min<std::size_t>(kernel::lanes, balls.size() - begin));
-      block_radii_.push_back(put_central_first(own));
-      ball_blocks_.resize(ball_blocks_.size() + 4);
-      kernel::Lanes* block = &ball_blocks_[ball_blocks_.size() - 4];
-      for (unsigned lane = 0; lane < kernel::lanes; ++lane) {
-        const bool there = lane < own.size();
-        const kernel::Ball& ball = own[there ? lane : 0];
-        block[0].v[lane] = ball.x;
-        block[1].v[lane] = ball.y;
-        block[2].v[lane] = ball.z;
-        block[3].v[lane] = there ? ball.radius : std::numeric_limits<double>::quiet_NaN();
-      }
-    }
-    body.block_count = static_cast<unsigned>(block_radii_.size()) - body.first_block;
-  }
-  for (kernel::ChainBody& body : chain_) {
-    body.ball_blocks = ball_blocks_.data() + std::size_t{4} * body.first_block;
-    body.block_radii = block_radii_.data() + body.first_block;
-  }
 }
 
 /// Adds the solids by kind, eight to a block.

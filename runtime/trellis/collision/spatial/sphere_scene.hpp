@@ -103,6 +103,14 @@ struct Lever {
   double length = 0.0;    ///< the farthest that centres of the body's balls are from the joint's axis, in metres
 };
 
+/// A robot's balls as the kernels read them: kernel::ChainBody says what.
+struct KernelBalls {
+  std::vector<kernel::Ball> balls;    ///< those of each body after those of the body before it
+  std::vector<kernel::Lanes> blocks;  ///< four of each block
+  std::vector<double> radii;          ///< of each block
+  std::vector<unsigned> first_block;  ///< of each body; then the number of all
+};
+
 /// What the checkers of a manipulator in a world share: it costs more to make than an easy search.
 class SphereScene {
  public:
@@ -139,9 +147,9 @@ class SphereScene {
   // What the kernels read.
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return chain_; }
   [[nodiscard]] const kernel::Scene3& kernel_scene() const { return scene_; }
-  [[nodiscard]] std::size_t ball_count() const { return balls_.size(); }
+  [[nodiscard]] std::size_t ball_count() const { return balls_->balls.size(); }
   /// Blocks of balls of all bodies.
-  [[nodiscard]] std::size_t block_count() const { return block_radii_.size(); }
+  [[nodiscard]] std::size_t block_count() const { return balls_->radii.size(); }
 
  private:
   void add_turns();
@@ -149,7 +157,6 @@ class SphereScene {
   void make_batches(const World3& world, double slack);
   void list_reached(double slack);
   void add_rows();
-  void add_ball_blocks();
   void add_solid_blocks();
 
   SphereModel model_;
@@ -158,11 +165,9 @@ class SphereScene {
   std::vector<std::vector<Lever>> levers_;
   std::vector<std::pair<std::size_t, std::size_t>> unshared_;
   bool batched_ = false;
-  std::vector<kernel::Ball> balls_;
+  std::shared_ptr<const KernelBalls> balls_;
   std::vector<kernel::ChainBody> chain_;
   std::vector<kernel::JointRows> rows_;
-  std::vector<kernel::Lanes> ball_blocks_;
-  std::vector<double> block_radii_;
   std::vector<kernel::Solid3> solids_;
   std::vector<kernel::SolidBlock> solid_blocks_;
   std::vector<kernel::Lanes> solid_values_;
