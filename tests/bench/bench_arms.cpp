@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The strategies of a script on many problems, in groups: those whose names begin alike, "cage/0001" and "cage/0003".
 //
-//   bench_arms SCRIPT.lua [--hard] [--library FILE] [--moved DISTANCE] [--points N RADIUS] [--states]
+//   bench_arms SCRIPT.lua [--hard] [--library FILE] [--repair FILE N] [--moved DISTANCE] [--points N RADIUS] [--states]
 //
 // Prints for each strategy a line for each group: problems solved, median and 95th percentile of the CPU time of
 // planning and of the path's certificate, of validity checks over all levels and of the length; and of the checks and
 // the CPU time the median of the ratios to those of the first strategy on the same problem and seed. --hard: only
 // problems on which the first strategy needs more checks than on half of them. --library: no planning; how far goals
-// are from the nearest end of a path in this library. --moved: each goal is moved so far in the metric, in a random
+// are from the nearest end of a path in this library. --repair: on the harder half, retrieval with repair (Lightning)
+// beside the first strategy: of the N paths of a library whose ends are nearest to start and goal it takes the one of
+// which least is invalid, and the first strategy plans each invalid part, from the last valid point before to the next
+// one after. --moved: each goal is moved so far in the metric, in a random
 // direction; problems for which 100 directions give no valid goal are left out. --points: the obstacles' surfaces are
 // sampled, uniformly, as a cloud of N points of this radius in metres; problems whose ends touch it are left out, and
 // the CPU time that its index takes is printed. --states: no planning; the CPU time of checks, of random configurations
@@ -157,6 +160,117 @@ void print_distances(const trellis::Experiment& experiment, const std::string& l
   }
 }
 
+/// A path to repair: some of its motions are valid.
+struct Retrieved {
+  trellis::Configurations points;
+  std::vector<bool> valid;                                   ///< of each motion
+  double invalid = std::numeric_limits<double>::infinity();  ///< its length
+};
+
+/// Returns the stored paths whose ends are nearest to start and goal, with these ends, nearest first.
+std::vector<trellis::Configurations> retrieved(const std::vector<trellis::StoredPath>& stored,
+                                               const trellis::Problem& problem, std::size_t count) {
+  using namespace trellis;
+  std::vector<std::pair<double, Configurations>> all;
+  for (const StoredPath& path : stored) {
+    if (path.path.dimension() != problem.space.dimension()) continue;
+    for (const bool back : {false, true}) {
+      Configurations points(problem.space.dimension());
+      points.push(problem.start);
+      for (std::size_t i = 0; i < path.path.size(); ++i) points.push(path.path[back ? path.path.size() - 1 - i : i]);
+      points.push(problem.goals.front());
+      const double apart = problem.space.distance(points[0], points[1]) +
+                           problem.space.distance(points[points.size() - 2], points[points.size() - 1]);
+      all.emplace_back(apart, std::move(points));
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Configurations> nearest;
+  for (std::size_t i = 0; i < std::min(count, all.size()); ++i) nearest.push_back(std::move(all[i].second));
+  return nearest;
+}
+
+/// Plans by retrieval with repair.
+/// \param gap  receives the length of the longest part that is repaired, from end to end
+Sample plan_by_repair(const trellis::StrategySpec& strategy, const trellis::Problem& problem, std::uint64_t seed,
+                      const std::vector<trellis::StoredPath>& stored, std::size_t count, double& gap) {
+  using namespace trellis;
+  const double before = bench::cpu_seconds();
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  Sample sample{.solved = true};
+  Retrieved best{Configurations(problem.space.dimension()), {}};
+  for (Configurations& points : retrieved(stored, problem, count)) {
+    Retrieved path{std::move(points), {}, 0.0};
+    for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
+      const MotionReport report = checker->motion(path.points[i], path.points[i + 1]);
+      sample.checks += report.checks;
+      path.valid.push_back(report.valid);
+      if (!report.valid) path.invalid += problem.space.distance(path.points[i], path.points[i + 1]);
+    }
+    if (path.invalid < best.invalid) best = std::move(path);
+  }
+  gap = 0.0;
+  for (std::size_t i = 0; i < best.valid.size();) {
+    if (best.valid[i]) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i + 1;
+    for (; end < best.valid.size(); ++end) {
+      sample.checks += 1.0;
+      if (best.valid[end] && checker->valid(best.points[end])) break;
+    }
+    const auto at = [&](std::size_t k) { return Configuration(best.points[k].begin(), best.points[k].end()); };
+    Problem part = problem;
+    part.start = at(i);
+    part.goals = {at(end)};
+    gap = std::max(gap, problem.space.distance(part.start, part.goals.front()));
+    const RunRecord run = execute(strategy, part, seed);
+    sample.solved = sample.solved && run.solved;
+    sample.checks += static_cast<double>(run.validity_checks);
+    i = end;
+  }
+  sample.us = 1e6 * (bench::cpu_seconds() - before);
+  return sample;
+}
+
+/// Prints how retrieval with repair does on the problems on which the first strategy needs more checks than on half of
+/// them.
+void print_repairs(const trellis::Experiment& experiment, const std::string& library, std::size_t count) {
+  using namespace trellis;
+  const auto stored = known_paths(library);
+  if (stored->empty()) throw std::invalid_argument("no paths in " + library);
+  const StrategySpec& strategy = experiment.strategies.front().second;
+  struct Plain {
+    const Problem* problem;
+    std::uint64_t seed;
+    Sample sample;
+  };
+  std::vector<Plain> all;
+  std::vector<double> checks;
+  for (const Problem& problem : experiment.problems) {
+    for (const std::uint64_t seed : experiment.seeds) {
+      const double before = bench::cpu_seconds();
+      const RunRecord run = execute(strategy, problem, seed);
+      all.push_back({&problem, seed, {.solved = run.solved, .us = 1e6 * (bench::cpu_seconds() - before)}});
+      all.back().sample.checks = run.solved ? static_cast<double>(run.validity_checks) : 1e300;
+      checks.push_back(all.back().sample.checks);
+    }
+  }
+  const double least = quantile(checks, 0.5);
+  std::vector<Sample> plain, repaired;
+  std::vector<double> gaps;
+  for (const Plain& run : all) {
+    if (run.sample.checks <= least) continue;
+    plain.push_back(run.sample);
+    repaired.push_back(plan_by_repair(strategy, *run.problem, run.seed, *stored, count, gaps.emplace_back()));
+  }
+  print_header();
+  print("the first strategy", plain, plain);
+  print("retrieval with repair", repaired, plain);
+  std::printf("longest part that is repaired, from end to end: median %.2f\n", quantile(gaps, 0.5));
+}
+
 struct States {
   double configurations = 0.0, configuration_us = 0.0;
   double states = 0.0, motion_us = 0.0;
@@ -269,6 +383,7 @@ int main(int count, char** arguments) {
     double radius = 0.0;
     double moved = 0.0;
     std::string library;
+    std::size_t repaired = 0;
     for (std::size_t i = 1; i < given.size(); ++i) {
       if (given[i] == "--hard") {
         hard = true;
@@ -276,6 +391,10 @@ int main(int count, char** arguments) {
         states = true;
       } else if (given[i] == "--library" && i + 1 < given.size()) {
         library = given[++i];
+      } else if (given[i] == "--repair" && i + 2 < given.size()) {
+        library = given[i + 1];
+        repaired = std::stoul(given[i + 2]);
+        i += 2;
       } else if (given[i] == "--moved" && i + 1 < given.size()) {
         moved = std::stod(given[++i]);
       } else if (given[i] == "--points" && i + 2 < given.size()) {
@@ -284,7 +403,9 @@ int main(int count, char** arguments) {
         i += 2;
       } else {
         throw std::invalid_argument(
-            "the options are --hard, --library FILE, --moved DISTANCE, --points N RADIUS and --states, got " +
+            "the options are --hard, --library FILE, --repair FILE N, --moved DISTANCE, --points N RADIUS and "
+            "--states, "
+            "got " +
             given[i]);
       }
     }
@@ -294,6 +415,10 @@ int main(int count, char** arguments) {
     const Experiment& experiment = program.experiment;
     if (states) {
       print_states(experiment, points, radius);
+      return 0;
+    }
+    if (repaired > 0) {
+      print_repairs(experiment, library, repaired);
       return 0;
     }
     if (!library.empty()) {

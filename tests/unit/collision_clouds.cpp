@@ -191,6 +191,9 @@ TEST_CASE("the kernels of all instruction sets give the same bits for clouds", "
         sure = least;
         table.measure_chain(chain.data(), bodies, frames.data(), rates.data(), what, motion, centres.data(),
                             candidates.data(), least, sure);
+        ConfigurationMemory memory(prepared, {});
+        for (std::size_t j = 0; j < q.size(); ++j) q[j] = values[j].v[0];
+        CHECK(table.touches(chain.data(), bodies, q.data(), what, memory.get()) == ((bits[0] & 1U) != 0));
         std::string all(reinterpret_cast<const char*>(bits.data()), sizeof bits);
         all.append(reinterpret_cast<const char*>(&least), sizeof least);
         all.append(reinterpret_cast<const char*>(&sure), sizeof sure);

@@ -215,6 +215,57 @@ TEST_CASE("a motion is valid where the configurations that it is checked at are,
   CHECK(refuted > 20);
 }
 
+TEST_CASE("a motion of a manipulator is invalid at the first invalid configuration of the bisection order",
+          "[collision][robot]") {
+  const SphereModel robot = six_arm();
+  Stream stream(7, "0", "first");
+  constexpr double resolution = 0.05;
+  std::array<int, 4> invalid{};  // at the first, second and third configuration, and later
+  int valid = 0;
+  for (int w = 0; w < 10; ++w) {
+    const World3 world = random_world(stream, false);
+    const Contain contain = w % 2 == 0 ? Contain::none : Contain::robot;
+    const auto scene = std::make_shared<ManipulatorScene>(World3(world.bounds(), world.obstacles(), contain), robot);
+    const Space space = scene->default_space(1.0);
+    const auto checker = make_checker("spheres", scene, space, resolution);
+    Configuration a(space.dimension());
+    Configuration b(space.dimension());
+    Configuration q(space.dimension());
+    for (int i = 0; i < 200; ++i) {
+      space.sample_uniform(stream, a);
+      if (!checker->valid(a)) continue;
+      for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] + 0.3 * stream.normal();
+      space.reflect(b);
+      space.difference(a, b, q);
+      double displacement = 0.0;
+      for (std::size_t body = 0; body < robot.bodies().size(); ++body) {
+        if (robot.bodies()[body].empty()) continue;
+        displacement = std::max(displacement, robot.robot().displacement_bound(body, q));
+      }
+      const auto n = static_cast<std::uint32_t>(std::max(1.0, std::ceil(displacement / resolution)));
+      MotionReport expected{true, n, std::numeric_limits<double>::quiet_NaN()};
+      const std::vector<std::uint32_t> order = bisection_order(n);
+      for (std::uint32_t rank = 0; rank < n && expected.valid; ++rank) {
+        const double share = static_cast<double>(order[rank]) / n;
+        space.interpolate(a, b, share, q);
+        if (!checker->valid(q)) expected = {false, rank + 1, share};
+      }
+      const MotionReport report = checker->motion(a, b);
+      INFO("world " << w << ", motion " << i);
+      REQUIRE(report.valid == expected.valid);
+      REQUIRE(report.checks == expected.checks);
+      if (report.valid) {
+        ++valid;
+        continue;
+      }
+      REQUIRE(report.invalid_at == expected.invalid_at);
+      invalid[std::min<std::size_t>(report.checks, invalid.size()) - 1] += 1;
+    }
+  }
+  CHECK(valid > 100);
+  for (const int count : invalid) CHECK(count > 0);
+}
+
 namespace {
 
 /// An arm on a rail, with a gripper whose fingers follow each other.
@@ -296,7 +347,17 @@ TEST_CASE("the kernels of all instruction sets give the same bits for manipulato
           sure = least;
           table.measure_chain(chain.data(), bodies, frames.data(), rates.data(), what, motion, centres.data(),
                               candidates.data(), least, sure);
-          std::string all(reinterpret_cast<const char*>(bits.data()), sizeof bits);
+          // One configuration at a time, after others that the memory still has traces of.
+          ConfigurationMemory memory(prepared, {});
+          std::vector<unsigned char> touches;
+          for (unsigned k = 0; k <= kernel::lanes; ++k) {
+            for (std::size_t j = 0; j < q.size(); ++j) q[j] = values[j].v[k % kernel::lanes];
+            touches.push_back(table.touches(chain.data(), bodies, q.data(), what, memory.get()) ? 1 : 0);
+          }
+          CHECK(touches.front() == bits[0]);
+          CHECK(touches.back() == bits[0]);
+          std::string all(touches.begin(), touches.end());
+          all.append(reinterpret_cast<const char*>(bits.data()), sizeof bits);
           all.append(reinterpret_cast<const char*>(frames.data()), frames.size() * sizeof(kernel::Lanes));
           all.append(reinterpret_cast<const char*>(rates.data()), rates.size() * sizeof(kernel::Lanes));
           all.append(reinterpret_cast<const char*>(&least), sizeof least);

@@ -61,6 +61,33 @@ std::string level_path(const LevelRecord& level, const std::function<const Level
 
 namespace {
 
+/// Whether a time has passed. Reads the clock at one of eight calls where those follow each other within microseconds:
+/// reading it takes 3 % of the time of an arm's steps.
+class Deadline {
+ public:
+  explicit Deadline(double seconds) : seconds_(seconds) {}
+  /// \param elapsed  returns the seconds so far
+  template <class Elapsed>
+  bool passed(const Elapsed& elapsed) {
+    if (skipped_ > 0) {
+      --skipped_;
+      return false;
+    }
+    constexpr int every = 8;
+    constexpr double short_time = 1e-4;
+    const double now = elapsed();
+    if (now >= seconds_) return true;
+    if (now - last_ < short_time) skipped_ = every - 1;
+    last_ = now;
+    return false;
+  }
+
+ private:
+  double seconds_;
+  double last_ = -1.0;
+  int skipped_ = 0;
+};
+
 /// A run, from its levels to its record.
 class Running {
  public:
@@ -86,7 +113,9 @@ class Running {
     if (options.threads > 1) run_.helpers = &helpers_.emplace(options.threads);
     root_.emplace(run_, strategy, problem);
     if (const double seconds = root_->level().common().budget.seconds; seconds < Budget::unlimited) {
-      run_.out_of_time = [this, seconds] { return elapsed() >= seconds; };
+      run_.out_of_time = [this, deadline = Deadline(seconds)]() mutable {
+        return deadline.passed([this] { return elapsed(); });
+      };
     }
     anytime_ = find_planner(strategy.planner().name())->component->find("improve") != nullptr;
     run_.clock.switch_to(&setup_);

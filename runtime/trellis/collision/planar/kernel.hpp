@@ -92,6 +92,11 @@ struct Table {
   /// \param candidates  memory for a number of each solid and each body
   unsigned (*meet_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Scene3& scene,
                          Lanes* centres, unsigned* candidates);
+  /// Whether a manipulator touches something at one configuration. The answer is that of meet_chain.
+  /// \param values  of the coordinates
+  /// \param memory  frames of the first body, the base, are given
+  bool (*touches)(const ChainBody* bodies, unsigned count, const double* values, const Scene3& scene,
+                  ChainMemory& memory);
   /// Computes how a manipulator's bodies move: six lanes each, the turn's rate and the velocity of the frame's origin.
   /// \param change  of each coordinate, in a unit of time
   void (*rate_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const double* change, Lanes* rates);

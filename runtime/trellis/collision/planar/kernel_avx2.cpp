@@ -53,8 +53,8 @@ inline unsigned bits(M m) {
 
 }  // namespace
 
-const Table avx2 = {"avx2",      &poses_of,   &place,      &outside,        &collide,
-                    &move_chain, &meet_chain, &rate_chain, &approach_chain, &measure_chain};
+const Table avx2 = {"avx2",      &poses_of, &place,      &outside,        &collide,      &move_chain,
+                    &meet_chain, &touches,  &rate_chain, &approach_chain, &measure_chain};
 
 }  // namespace trellis::kernel
 

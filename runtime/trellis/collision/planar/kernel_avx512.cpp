@@ -48,8 +48,8 @@ inline unsigned bits(M m) { return m.a; }
 
 }  // namespace
 
-const Table avx512 = {"avx512",    &poses_of,   &place,      &outside,        &collide,
-                      &move_chain, &meet_chain, &rate_chain, &approach_chain, &measure_chain};
+const Table avx512 = {"avx512",    &poses_of, &place,      &outside,        &collide,      &move_chain,
+                      &meet_chain, &touches,  &rate_chain, &approach_chain, &measure_chain};
 
 }  // namespace trellis::kernel
 

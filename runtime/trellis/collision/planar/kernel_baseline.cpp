@@ -73,7 +73,7 @@ inline unsigned bits(const M& m) {
 
 }  // namespace
 
-const Table baseline = {"baseline",  &poses_of,   &place,      &outside,        &collide,
-                        &move_chain, &meet_chain, &rate_chain, &approach_chain, &measure_chain};
+const Table baseline = {"baseline",  &poses_of, &place,      &outside,        &collide,      &move_chain,
+                        &meet_chain, &touches,  &rate_chain, &approach_chain, &measure_chain};
 
 }  // namespace trellis::kernel

@@ -45,6 +45,13 @@ class SphereChecker final : public Checker {
       // The base does not move: it is checked as the others, so that a base in an obstacle is found.
       if (!model_.bodies()[b].empty()) solid_.push_back(b);
     }
+    sums_.resize(solid_.size());
+    Configuration unit(space.dimension(), 0.0);
+    for (double& x : unit) {
+      x = 1.0;
+      for (const std::size_t body : solid_) reach_.push_back(robot_.displacement_bound(body, unit));
+      x = 0.0;
+    }
     frames_.resize(model_.bodies().size());
     placed_.resize(model_.bodies().size());
     for (std::size_t b = 0; b < placed_.size(); ++b) placed_[b].resize(model_.bodies()[b].size());
@@ -53,16 +60,18 @@ class SphereChecker final : public Checker {
 
   [[nodiscard]] bool valid(View q) const override {
     if (!is_finite(q, robot_.dimension())) return false;
-    if (!batched_) return free_at(q);
-    for (std::size_t j = 0; j < robot_.dimension(); ++j) {
-      for (double& value : values_[j].v) value = q[j];
-    }
-    return (met(1U) & 1U) == 0;
+    return batched_ ? !touches(q) : free_at(q);
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(displacement(a, b), resolution_);
+    // The end is the first configuration of a motion, and most invalid motions of a search end in contact.
+    const bool end_alone = batched_ && end_decides_.pays();
+    if (end_alone && touches(b)) {
+      note_decided_at(0);
+      return {false, 1, 1.0};
+    }
     const Order& order = order_of(n);
     const MotionReport valid{true, n, std::numeric_limits<double>::quiet_NaN()};
     if (!batched_) {
@@ -73,7 +82,17 @@ class SphereChecker final : public Checker {
       }
       return valid;
     }
-    for (std::uint32_t rank = 0; rank < n; rank += kernel::lanes) {
+    // Most of the others touch something in the second one.
+    const bool second_alone = end_alone && n > 1 && second_decides_.pays();
+    if (second_alone) {
+      space_.interpolate(a, b, order.share(1), q_);
+      if (touches(q_)) {
+        note_decided_at(1);
+        return {false, 2, order.share(1)};
+      }
+    }
+    const std::uint32_t alone = (end_alone ? 1 : 0) + (second_alone ? 1 : 0);
+    for (std::uint32_t rank = 0; rank < n && n > alone; rank += kernel::lanes) {
       for (std::uint32_t lane = 0; lane < kernel::lanes; ++lane) {
         space_.interpolate(a, b, order.share(rank + lane), q_);
         for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
@@ -81,8 +100,11 @@ class SphereChecker final : public Checker {
       const unsigned hit = met(first_lanes(n - rank));
       if (hit == 0) continue;
       const auto first = rank + static_cast<std::uint32_t>(std::countr_zero(hit));
-      if (first < n) return {false, first + 1, order.share(first)};
+      if (first >= n) continue;
+      note_decided_at(first);
+      return {false, first + 1, order.share(first)};
     }
+    note_decided_at(n);
     return valid;
   }
 
@@ -173,6 +195,7 @@ class SphereChecker final : public Checker {
     frames3_.resize(12 * bodies);
     centres_.resize(3 * shared_->ball_count());
     candidates_.resize(shared_->kernel_scene().solid_count + bodies);
+    one_.emplace(*shared_, BodyFrame{matrix_of(base_.orientation), base_.position});
     const Matrix3 base = matrix_of(base_.orientation);
     for (double& value : frames3_[9].v) value = base_.position.x;
     for (double& value : frames3_[10].v) value = base_.position.y;
@@ -180,6 +203,27 @@ class SphereChecker final : public Checker {
     for (std::size_t k = 0; k < 9; ++k) {
       for (double& value : frames3_[k].v) value = base[k];
     }
+  }
+  /// Whether to check a configuration alone before it is checked with seven others: where it alone decided most of the
+  /// last motions, as in searches, but not those of roadmaps and shortcuts.
+  class Habit {
+   public:
+    [[nodiscard]] bool pays() const { return count_ >= most / 2; }
+    void note(bool decided) { count_ = std::clamp(count_ + (decided ? 1 : -1), 0, most); }
+
+   private:
+    static constexpr int most = 16;
+    int count_ = most;
+  };
+  /// Notes the first invalid configuration of a motion, by its rank.
+  void note_decided_at(std::uint32_t rank) const {
+    end_decides_.note(rank == 0);
+    if (rank > 0) second_decides_.note(rank == 1);
+  }
+  /// Whether the robot touches something at q.
+  [[nodiscard]] bool touches(View q) const {
+    return kernel_.touches(chain().data(), static_cast<unsigned>(chain().size()), q.data(), shared_->kernel_scene(),
+                           one_->get());
   }
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return shared_->chain(); }
   /// The bits of the first lanes, at most of all.
@@ -197,8 +241,15 @@ class SphereChecker final : public Checker {
   /// A bound on how far the robot's points move from a to b.
   [[nodiscard]] double displacement(View a, View b) const {
     space_.difference(a, b, change_);
+    std::fill(sums_.begin(), sums_.end(), 0.0);
+    const std::size_t bodies = sums_.size();
+    for (std::size_t j = 0; j < change_.size(); ++j) {
+      const double by = std::abs(change_[j]);
+      const double* reach = &reach_[j * bodies];
+      for (std::size_t k = 0; k < bodies; ++k) sums_[k] += by * reach[k];
+    }
     double most = 0.0;
-    for (const std::size_t body : solid_) most = std::max(most, robot_.displacement_bound(body, change_));
+    for (const double sum : sums_) most = std::max(most, sum);
     return most;
   }
 
@@ -547,11 +598,16 @@ class SphereChecker final : public Checker {
   // Scratch.
   mutable Configuration q_;
   mutable Configuration change_;
+  std::vector<double> reach_;         ///< how far a coordinate moves each of solid_ at most, per unit; by coordinates
+  mutable std::vector<double> sums_;  ///< of each of solid_
   mutable std::vector<kernel::Lanes> values_;
   mutable std::vector<kernel::Lanes> frames3_;
   mutable std::vector<kernel::Lanes> rates_;
   mutable std::vector<kernel::Lanes> centres_;
   mutable std::vector<unsigned> candidates_;
+  mutable std::optional<ConfigurationMemory> one_;
+  mutable Habit end_decides_;
+  mutable Habit second_decides_;                   ///< of the motions whose ends are valid
   mutable std::vector<BodyFrame> frames_;          ///< of each body in the world
   mutable std::vector<std::vector<Vec3>> placed_;  ///< the centres of each body's balls
 };

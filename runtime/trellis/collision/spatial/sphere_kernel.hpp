@@ -11,6 +11,14 @@ struct Ball {
   double x, y, z, radius;
 };
 
+/// A joint, as rows of four numbers: of a matrix of three columns and of a position, both in the parent's frame. The
+/// joint's rows are origin + sin * once + (1 - cos) * twice, or, of a slide, origin + value * once.
+struct alignas(32) JointRows {
+  double origin[12] = {};  // NOLINT(modernize-avoid-c-arrays): as in Lanes
+  double once[12] = {};    // NOLINT
+  double twice[12] = {};   // NOLINT
+};
+
 /// A body of a manipulator and the joint that carries it. Matrices are row by row.
 struct ChainBody {
   unsigned parent = 0;  ///< of lower number; the first body is the base
@@ -25,6 +33,15 @@ struct ChainBody {
   const Ball* balls = nullptr;  ///< the first one contains the others
   unsigned ball_count = 0;
   unsigned first_centre = 0;  ///< of its balls among those of all bodies
+  // For one configuration.
+  const JointRows* rows = nullptr;
+  /// Its balls, eight that are near each other to a block: four lanes, the centre and the radius. Lanes after the last
+  /// ball have NaN as radius.
+  const Lanes* ball_blocks = nullptr;
+  /// Of each block: the radius of a ball about the centre of its first one that contains all.
+  const double* block_radii = nullptr;
+  unsigned block_count = 0;
+  unsigned first_block = 0;  ///< of its blocks among those of all bodies
   /// The solids that it can touch, from `reached_begin` to `reached_end` in Scene3::reached.
   unsigned reached_begin = 0, reached_end = 0;
 };
@@ -38,6 +55,15 @@ struct Solid3 {
   double hx = 0.0, hy = 0.0, hz = 0.0;  ///< half extents of a box
   double radius = 0.0, length = 0.0;    ///< length: half of it
   double far = 0.0;                     ///< radius of a ball about its centre that contains it
+};
+
+/// Eight solids of one kind.
+struct SolidBlock {
+  Solid3::Kind kind = Solid3::Kind::sphere;
+  unsigned solid[8] = {};  // NOLINT(modernize-avoid-c-arrays): the number of each
+  /// 15 lanes: x, y, z, the nine of r, and hx, hy and hz of boxes, else radius and length. Lanes without a solid are
+  /// far away.
+  const Lanes* values = nullptr;
 };
 
 /// The balls of a cloud of points, all of one radius, with their centres in cubic cells.
@@ -57,6 +83,8 @@ struct Cloud3 {
 struct Scene3 {
   const Solid3* solids = nullptr;
   unsigned solid_count = 0;
+  const SolidBlock* solid_blocks = nullptr;  ///< the same solids
+  unsigned solid_block_count = 0;
   const Cloud3* clouds = nullptr;
   unsigned cloud_count = 0;
   unsigned cloud_lanes = 0xff;        ///< clouds are compared in these lanes
@@ -67,6 +95,20 @@ struct Scene3 {
   double lo[3] = {};     // NOLINT
   double hi[3] = {};     // NOLINT
   double slack = 0.0;    ///< a gap of at most this is contact
+};
+
+/// Memory of `touches`.
+struct ChainMemory {
+  Lanes* angles = nullptr;     ///< three for each eight bodies
+  double* frames = nullptr;    ///< twelve numbers for each body, aligned as JointRows: rows of matrix and position
+  unsigned* placed = nullptr;  ///< a number for each body: 1 for the first one, the base; then of the kernel
+  Lanes* centres = nullptr;    ///< three for each block of balls
+  /// The other bodies that have balls, in the order in which they are compared with the solids. A body that touches one
+  /// moves up, for contact is likelier where it was before.
+  unsigned* order = nullptr;
+  unsigned order_count = 0;
+  enum class Base : unsigned char { unknown, free, touches };
+  Base base = Base::unknown;  ///< whether the base, which does not move, touches something of the world
 };
 
 /// A part of a motion on which the coordinates change at constant rates, seen from its middle.

@@ -69,34 +69,56 @@ void move_chain(const ChainBody* bodies, unsigned count, const Lanes* values, La
   }
 }
 
-/// Returns the lanes in which a ball about c meets the solid.
-inline M ball_meets(const V3& c, double radius, const Solid3& solid) {
+/// One solid in all lanes.
+struct OneSolid {
+  const Solid3& of;
+
+  [[nodiscard]] Solid3::Kind kind() const { return of.kind; }
+  [[nodiscard]] V3 centre() const { return {spread(of.x), spread(of.y), spread(of.z)}; }
+  [[nodiscard]] V3 row(unsigned i) const {
+    return {spread(of.r[3UL * i]), spread(of.r[3UL * i + 1]), spread(of.r[3UL * i + 2])};
+  }
+  [[nodiscard]] V3 half() const { return {spread(of.hx), spread(of.hy), spread(of.hz)}; }
+  [[nodiscard]] V radius() const { return spread(of.radius); }
+  [[nodiscard]] V length() const { return spread(of.length); }
+};
+
+/// The distance of points from a solid, or from the core of a round one.
+struct CoreDistance {
+  V squared;
+  V round;  ///< the distance from the surface is less by this
+
+  /// The lanes in which a ball about the point meets the solid.
+  [[nodiscard]] M within(const V& radius) const {
+    const V reach = radius + round;
+    return squared <= reach * reach;
+  }
+};
+
+template <class Solid>
+inline CoreDistance core_distance(const V3& c, const Solid& solid) {
   const V zero = spread(0.0);
-  const V dx = c.x - spread(solid.x);
-  const V dy = c.y - spread(solid.y);
-  const V dz = c.z - spread(solid.z);
-  if (solid.kind == Solid3::Kind::sphere) {
-    const double reach = radius + solid.radius;
-    return ((dx * dx + dy * dy) + dz * dz) <= spread(reach * reach);
+  const V3 d = c - solid.centre();
+  if (solid.kind() == Solid3::Kind::sphere) return {dot(d, d), solid.radius()};
+  const V u = dot(solid.row(0), d);
+  const V v = dot(solid.row(1), d);
+  const V w = dot(solid.row(2), d);
+  if (solid.kind() == Solid3::Kind::box) {
+    const V3 half = solid.half();
+    const V3 beyond{max(abs(u) - half.x, zero), max(abs(v) - half.y, zero), max(abs(w) - half.z, zero)};
+    return {dot(beyond, beyond), zero};
   }
-  const double* r = solid.r;
-  const V u = (spread(r[0]) * dx + spread(r[1]) * dy) + spread(r[2]) * dz;
-  const V v = (spread(r[3]) * dx + spread(r[4]) * dy) + spread(r[5]) * dz;
-  const V w = (spread(r[6]) * dx + spread(r[7]) * dy) + spread(r[8]) * dz;
-  if (solid.kind == Solid3::Kind::box) {
-    const V a = max(abs(u) - spread(solid.hx), zero);
-    const V b = max(abs(v) - spread(solid.hy), zero);
-    const V e = max(abs(w) - spread(solid.hz), zero);
-    return ((a * a + b * b) + e * e) <= spread(radius * radius);
-  }
-  const V e = max(abs(w) - spread(solid.length), zero);
+  const V e = max(abs(w) - solid.length(), zero);
   const V across = u * u + v * v;
-  if (solid.kind == Solid3::Kind::capsule) {
-    const double reach = radius + solid.radius;
-    return (across + e * e) <= spread(reach * reach);
-  }
-  const V a = max(root(across) - spread(solid.radius), zero);
-  return (a * a + e * e) <= spread(radius * radius);
+  if (solid.kind() == Solid3::Kind::capsule) return {across + e * e, solid.radius()};
+  const V a = max(root(across) - solid.radius(), zero);
+  return {a * a + e * e, zero};
+}
+
+/// Returns the lanes in which a ball about c meets the solid.
+template <class Solid>
+inline M ball_meets(const V3& c, const V& radius, const Solid& solid) {
+  return core_distance(c, solid).within(radius);
 }
 
 /// Computes the centres of a body's balls, but for the first one, where they are not known.
@@ -154,13 +176,13 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
       const V dy = whole.y - spread(solid.y);
       const V dz = whole.z - spread(solid.z);
       if (bits(((dx * dx + dy * dy) + dz * dz) <= spread(reach * reach)) == 0) continue;
-      if (bits(ball_meets(whole, body.balls[0].radius + slack, solid)) != 0) candidates[near++] = s;
+      if (bits(ball_meets(whole, spread(body.balls[0].radius + slack), OneSolid{solid})) != 0) candidates[near++] = s;
     }
     if (near > 0) place_balls(body, frame, own, placed[b]);
     for (unsigned i = 1; i < body.ball_count && near > 0; ++i) {
       const V3 c = load(own + 3UL * i);
       for (unsigned k = 0; k < near; ++k) {
-        hit |= bits(ball_meets(c, body.balls[i].radius + slack, scene.solids[candidates[k]]));
+        hit |= bits(ball_meets(c, spread(body.balls[i].radius + slack), OneSolid{scene.solids[candidates[k]]}));
       }
       if (decided()) return hit;
     }
@@ -525,3 +547,5 @@ void measure_chain(const ChainBody* bodies, unsigned count, const Lanes* frames,
   store(least_out.v, least);
   store(sure_out.v, sure);
 }
+
+#include <trellis/collision/spatial/configuration_kernel.inl>

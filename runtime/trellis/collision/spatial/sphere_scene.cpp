@@ -2,6 +2,10 @@
 #include <trellis/collision/spatial/sphere_scene.hpp>
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <mutex>
+#include <span>
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/cache_by_world.hpp>
@@ -103,6 +107,95 @@ BodySphere enclosing(const std::vector<BodySphere>& balls) {
   return best;
 }
 
+/// Sorts balls so that each eight are near each other: halves them across their longest side.
+void group(std::span<kernel::Ball> balls) {
+  constexpr std::size_t lanes = kernel::lanes;
+  if (balls.size() <= lanes) return;
+  double longest = -1.0;
+  double kernel::Ball::*along = nullptr;
+  for (const auto axis : {&kernel::Ball::x, &kernel::Ball::y, &kernel::Ball::z}) {
+    const auto [lo, hi] = std::ranges::minmax(balls, {}, axis);
+    if (const double side = hi.*axis - lo.*axis; side > longest) longest = side, along = axis;
+  }
+  std::ranges::stable_sort(balls, {}, along);
+  const std::size_t half = (balls.size() / 2 + lanes - 1) / lanes * lanes;
+  group(balls.first(half));
+  group(balls.subspan(half));
+}
+
+/// Moves the ball to the front about whose centre the ball that contains all is smallest, and returns its radius.
+double put_central_first(std::span<kernel::Ball> balls) {
+  const auto containing = [&](const kernel::Ball& central) {
+    double radius = 0.0;
+    for (const kernel::Ball& ball : balls) {
+      const Vec3 d{ball.x - central.x, ball.y - central.y, ball.z - central.z};
+      radius = std::max(radius, norm(d) + ball.radius);
+    }
+    return radius;
+  };
+  const auto central = std::ranges::min_element(balls, {}, containing);
+  // More than rounding.
+  const double radius = containing(*central) * (1.0 + 1e-12);
+  std::iter_swap(balls.begin(), central);
+  return radius;
+}
+
+/// Adds the balls of a body, of which the first one contains the others, eight that are near each other to a block.
+void add_blocks(std::vector<kernel::Ball> balls, KernelBalls& to) {
+  group(balls);
+  for (std::size_t begin = 0; begin < balls.size(); begin += kernel::lanes) {
+    const std::size_t count = std::min<std::size_t>(kernel::lanes, balls.size() - begin);
+    const std::span<kernel::Ball> own = std::span(balls).subspan(begin, count);
+    to.radii.push_back(put_central_first(own));
+    to.blocks.resize(to.blocks.size() + 4);
+    kernel::Lanes* block = &to.blocks[to.blocks.size() - 4];
+    for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
+      const kernel::Ball& ball = own[lane < count ? lane : 0];
+      block[0].v[lane] = ball.x;
+      block[1].v[lane] = ball.y;
+      block[2].v[lane] = ball.z;
+      block[3].v[lane] = lane < count ? ball.radius : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+using Balls = std::vector<std::vector<BodySphere>>;
+
+KernelBalls make_balls(const Balls& bodies) {
+  KernelBalls made;
+  for (const std::vector<BodySphere>& balls : bodies) {
+    made.first_block.push_back(static_cast<unsigned>(made.radii.size()));
+    if (balls.empty()) continue;
+    const std::size_t begin = made.balls.size();
+    const auto add = [&](const BodySphere& ball) {
+      made.balls.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
+    };
+    add(enclosing(balls));
+    std::for_each(balls.begin() + 1, balls.end(), add);
+    add_blocks({made.balls.begin() + static_cast<std::ptrdiff_t>(begin) + 1, made.balls.end()}, made);
+  }
+  made.first_block.push_back(static_cast<unsigned>(made.radii.size()));
+  return made;
+}
+
+/// Those of the last few robots are known: they cost more to make than an easy search.
+std::shared_ptr<const KernelBalls> balls_of(const Balls& bodies) {
+  constexpr std::size_t most = 8;
+  static std::mutex mutex;
+  static std::vector<std::pair<Balls, std::shared_ptr<const KernelBalls>>> known;
+  const auto same = [](const BodySphere& a, const BodySphere& b) {
+    return a.centre.x == b.centre.x && a.centre.y == b.centre.y && a.centre.z == b.centre.z && a.radius == b.radius;
+  };
+  const std::scoped_lock lock(mutex);
+  for (const auto& [of, made] : known) {
+    if (std::ranges::equal(of, bodies, [&](const auto& a, const auto& b) { return std::ranges::equal(a, b, same); })) {
+      return made;
+    }
+  }
+  if (known.size() == most) known.erase(known.begin());
+  return known.emplace_back(bodies, std::make_shared<const KernelBalls>(make_balls(bodies))).second;
+}
+
 }  // namespace
 
 double PlacedCloud::distance(const Vec3& p, double at_most) const {
@@ -200,13 +293,8 @@ void SphereScene::make_batches(const World3& world, double slack) {
     return body.kind == Joint::Kind::planar;
   });
   if (!batched_) return;
+  balls_ = balls_of(model_.bodies());
   unsigned centres = 0;
-  for (const auto& balls : model_.bodies()) {
-    for (const BodySphere& ball : balls) balls_.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
-    if (balls.empty()) continue;
-    const BodySphere whole = enclosing(balls);
-    balls_[balls_.size() - balls.size()] = {whole.centre.x, whole.centre.y, whole.centre.z, whole.radius};
-  }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Manipulator::Body& body = bodies[b];
     kernel::ChainBody& made = chain_.emplace_back();
@@ -226,10 +314,14 @@ void SphereScene::make_batches(const World3& world, double slack) {
     made.axis[0] = axis.x;
     made.axis[1] = axis.y;
     made.axis[2] = axis.z;
-    made.balls = balls_.data() + centres;
+    made.balls = balls_->balls.data() + centres;
     made.ball_count = static_cast<unsigned>(model_.bodies()[b].size());
     made.first_centre = centres;
     centres += made.ball_count;
+    made.first_block = balls_->first_block[b];
+    made.block_count = balls_->first_block[b + 1] - made.first_block;
+    made.ball_blocks = balls_->blocks.data() + std::size_t{4} * made.first_block;
+    made.block_radii = balls_->radii.data() + made.first_block;
   }
   for (const Primitive& primitive : obstacles_->primitives) {
     kernel::Solid3& made = solids_.emplace_back();
@@ -247,12 +339,16 @@ void SphereScene::make_batches(const World3& world, double slack) {
   }
   for (const PlacedCloud& cloud : obstacles_->clouds) clouds_.push_back(cloud.grid.data());
   list_reached(slack);
+  add_rows();
+  add_solid_blocks();
   for (const auto& [a, b] : model_.pairs()) {
     pairs_.push_back(static_cast<unsigned>(a));
     pairs_.push_back(static_cast<unsigned>(b));
   }
   scene_.solids = solids_.data();
   scene_.solid_count = static_cast<unsigned>(solids_.size());
+  scene_.solid_blocks = solid_blocks_.data();
+  scene_.solid_block_count = static_cast<unsigned>(solid_blocks_.size());
   scene_.clouds = clouds_.data();
   scene_.cloud_count = static_cast<unsigned>(clouds_.size());
   scene_.reached = reached_.data();
@@ -265,6 +361,56 @@ void SphereScene::make_batches(const World3& world, double slack) {
     scene_.lo[k] = k == 0 ? lo.x : k == 1 ? lo.y : lo.z;
     scene_.hi[k] = k == 0 ? hi.x : k == 1 ? hi.y : hi.z;
   }
+}
+
+/// Adds the joints by rows.
+void SphereScene::add_rows() {
+  for (const kernel::ChainBody& body : chain_) {
+    kernel::JointRows& rows = rows_.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        rows.origin[4 * i + j] = body.origin[3 * i + j];
+        if (body.slides) continue;
+        rows.once[4 * i + j] = body.once[3 * i + j];
+        rows.twice[4 * i + j] = body.twice[3 * i + j];
+      }
+      rows.origin[4 * i + 3] = body.position[i];
+      if (body.slides) rows.once[4 * i + 3] = body.axis[i];
+    }
+  }
+  for (std::size_t b = 0; b < chain_.size(); ++b) chain_[b].rows = &rows_[b];
+}
+
+/// Adds the solids by kind, eight to a block.
+void SphereScene::add_solid_blocks() {
+  using Kind = kernel::Solid3::Kind;
+  constexpr std::size_t values = 15;
+  constexpr double far = 1e100;
+  for (const Kind kind : {Kind::sphere, Kind::box, Kind::cylinder, Kind::capsule}) {
+    unsigned lane = kernel::lanes;
+    for (unsigned s = 0; s < solids_.size(); ++s) {
+      const kernel::Solid3& solid = solids_[s];
+      if (solid.kind != kind) continue;
+      if (lane == kernel::lanes) {
+        lane = 0;
+        solid_blocks_.push_back({.kind = kind});
+        solid_values_.resize(solid_values_.size() + values);
+        kernel::Lanes* of = &solid_values_[solid_values_.size() - values];
+        for (const std::size_t k : {0, 3, 7, 11}) {
+          for (double& x : of[k].v) x = k == 0 ? far : 1.0;
+        }
+      }
+      kernel::Lanes* of = &solid_values_[solid_values_.size() - values];
+      const bool box = kind == Kind::box;
+      const std::array<double, 6> others = {
+          solid.x, solid.y, solid.z, box ? solid.hx : solid.radius, box ? solid.hy : solid.length, solid.hz};
+      for (std::size_t k = 0; k < 3; ++k) of[k].v[lane] = others[k];
+      for (std::size_t k = 0; k < 9; ++k) of[3 + k].v[lane] = solid.r[k];
+      for (std::size_t k = 0; k < 3; ++k) of[12 + k].v[lane] = others[3 + k];
+      solid_blocks_.back().solid[lane++] = s;
+    }
+  }
+  for (std::size_t k = 0; k < solid_blocks_.size(); ++k) solid_blocks_[k].values = &solid_values_[values * k];
 }
 
 /// Lists the solids that each body can touch: those within the lengths of the links that carry it.
@@ -289,6 +435,26 @@ void SphereScene::list_reached(double slack) {
     }
     chain_[b].reached_end = static_cast<unsigned>(reached_.size());
   }
+}
+
+ConfigurationMemory::ConfigurationMemory(const SphereScene& scene, const BodyFrame& base)
+    : angles_(3 * ((scene.chain().size() + kernel::lanes - 1) / kernel::lanes)),
+      frames_(scene.chain().size()),
+      placed_(scene.chain().size()),
+      centres_(3 * scene.block_count()) {
+  placed_[0] = 1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) frames_[0].of[4 * i + j] = base.r[3 * i + j];
+  }
+  frames_[0].of[3] = base.p.x;
+  frames_[0].of[7] = base.p.y;
+  frames_[0].of[11] = base.p.z;
+  // Contact is likelier far from the base.
+  for (std::size_t b = scene.chain().size(); b-- > 1;) {
+    if (scene.chain()[b].ball_count > 0) order_.push_back(static_cast<unsigned>(b));
+  }
+  memory_ = {angles_.data(),  frames_[0].of.data(), placed_.data(),
+             centres_.data(), order_.data(),        static_cast<unsigned>(order_.size())};
 }
 
 }  // namespace trellis

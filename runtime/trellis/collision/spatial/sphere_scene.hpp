@@ -103,6 +103,14 @@ struct Lever {
   double length = 0.0;    ///< the farthest that centres of the body's balls are from the joint's axis, in metres
 };
 
+/// A robot's balls as the kernels read them: kernel::ChainBody says what.
+struct KernelBalls {
+  std::vector<kernel::Ball> balls;    ///< those of each body after those of the body before it
+  std::vector<kernel::Lanes> blocks;  ///< four of each block
+  std::vector<double> radii;          ///< of each block
+  std::vector<unsigned> first_block;  ///< of each body; then the number of all
+};
+
 /// What the checkers of a manipulator in a world share: it costs more to make than an easy search.
 class SphereScene {
  public:
@@ -139,13 +147,17 @@ class SphereScene {
   // What the kernels read.
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return chain_; }
   [[nodiscard]] const kernel::Scene3& kernel_scene() const { return scene_; }
-  [[nodiscard]] std::size_t ball_count() const { return balls_.size(); }
+  [[nodiscard]] std::size_t ball_count() const { return balls_->balls.size(); }
+  /// Blocks of balls of all bodies.
+  [[nodiscard]] std::size_t block_count() const { return balls_->radii.size(); }
 
  private:
   void add_turns();
   void add_levers();
   void make_batches(const World3& world, double slack);
   void list_reached(double slack);
+  void add_rows();
+  void add_solid_blocks();
 
   SphereModel model_;
   std::shared_ptr<const SolidObstacles> obstacles_;
@@ -153,13 +165,43 @@ class SphereScene {
   std::vector<std::vector<Lever>> levers_;
   std::vector<std::pair<std::size_t, std::size_t>> unshared_;
   bool batched_ = false;
-  std::vector<kernel::Ball> balls_;
+  std::shared_ptr<const KernelBalls> balls_;
   std::vector<kernel::ChainBody> chain_;
+  std::vector<kernel::JointRows> rows_;
   std::vector<kernel::Solid3> solids_;
+  std::vector<kernel::SolidBlock> solid_blocks_;
+  std::vector<kernel::Lanes> solid_values_;
   std::vector<kernel::Cloud3> clouds_;
   std::vector<unsigned> reached_;
   std::vector<unsigned> pairs_;
   kernel::Scene3 scene_;
+};
+
+/// The memory of the kernel of one configuration.
+class ConfigurationMemory {
+ public:
+  /// \param base  the frame of the first body
+  ConfigurationMemory(const SphereScene& scene, const BodyFrame& base);
+  ConfigurationMemory(const ConfigurationMemory&) = delete;
+  ConfigurationMemory& operator=(const ConfigurationMemory&) = delete;
+  ConfigurationMemory(ConfigurationMemory&&) = delete;
+  ConfigurationMemory& operator=(ConfigurationMemory&&) = delete;
+  ~ConfigurationMemory() = default;
+
+  [[nodiscard]] kernel::ChainMemory& get() { return memory_; }
+
+ private:
+  /// A frame by rows, as kernel::JointRows.
+  struct alignas(32) Rows {
+    std::array<double, 12> of{};
+  };
+
+  std::vector<kernel::Lanes> angles_;
+  std::vector<Rows> frames_;
+  std::vector<unsigned> placed_;
+  std::vector<kernel::Lanes> centres_;
+  std::vector<unsigned> order_;
+  kernel::ChainMemory memory_;
 };
 
 }  // namespace trellis
