@@ -78,6 +78,7 @@ END {
       }
       per_iteration[side, scene] = all_cpu / all_iterations
       to_solve[side, scene] = quantile(times, n, 0.5)
+      total[side, scene] = all_cpu
       printf "%-15s %-15s %7s %9.3f %9.3f %9.3f %8d %7d %11d %9.3f %9.3f\n", scene, side, solved "/" n, \
         1e3 * to_solve[side, scene], 1e3 * quantile(times, n, 0.9), 1e3 * quantile(plans, n, 0.5), \
         quantile(checks, n, 0.5), quantile(nodes, n, 0.5), quantile(iterations, n, 0.5), \
@@ -87,4 +88,5 @@ END {
   print "CPU ms, planning (on our side wall clock), checks, nodes, iterations: medians; us/iter: all CPU time by all iterations."
   ratios("OMPL's CPU time per iteration by ours", per_iteration)
   ratios("OMPL's median CPU time to solve by ours", to_solve)
+  ratios("OMPL's total CPU time by ours", total)
 }

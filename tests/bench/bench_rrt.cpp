@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Our RRT on the scenes of the paper through the C++ interface, with either collision backend (checkers "planar" and
-// "fcl"): what scripts/bench-ompl puts beside OMPL's.
+// Our RRT, RRT-Connect and PRM on the scenes of the paper through the C++ interface, with either collision backend
+// (checkers "planar" and "fcl"): what scripts/bench-ompl puts beside OMPL's.
 
 #include <cstdint>
 #include <cstdio>
@@ -39,6 +39,18 @@ trellis::Problem problem(const bench::Scene& scene, const std::string& collision
   return result;
 }
 
+trellis::StrategySpec strategy_of(const std::string& planner) {
+  const auto limit = static_cast<double>(bench::iteration_limit);
+  if (planner == "prm") return {trellis::PlannerSpec::make(planner, {{"proposals", limit}})};
+  if (planner == "rrt_connect") {
+    return {trellis::PlannerSpec::make(planner, {{"step", bench::step}, {"proposals", limit}})};
+  }
+  // OMPL's RRT reaches the goal only with a goal proposal, so this RRT does the same here.
+  return {trellis::PlannerSpec::make(
+      planner,
+      {{"step", bench::step}, {"goal_bias", bench::goal_bias}, {"connect_goal", false}, {"proposals", limit}})};
+}
+
 bench::Run plan(const trellis::StrategySpec& strategy, const trellis::Problem& of, std::uint64_t seed) {
   const double before = bench::cpu_seconds();
   const trellis::RunRecord record = trellis::execute(strategy, of, seed);
@@ -57,12 +69,7 @@ bench::Run plan(const trellis::StrategySpec& strategy, const trellis::Problem& o
 int main(int argc, char** argv) {
   try {
     const bench::Arguments arguments = bench::parse(argc, argv, {"planar", "fcl"});
-    // OMPL's RRT reaches the goal only with a goal proposal, so this RRT does the same here.
-    const trellis::StrategySpec strategy(
-        trellis::PlannerSpec::make("rrt", {{"step", bench::step},
-                                           {"goal_bias", bench::goal_bias},
-                                           {"connect_goal", false},
-                                           {"proposals", static_cast<double>(bench::iteration_limit)}}));
+    const trellis::StrategySpec strategy = strategy_of(arguments.planner);
     bench::measure(arguments, "trellis", [&](const bench::Scene& scene, std::uint64_t seed) {
       return plan(strategy, problem(scene, arguments.checker), seed);
     });

@@ -89,11 +89,19 @@ struct Run {
 struct Arguments {
   std::vector<Scene> scenes = bench::scenes();
   std::string checker;
+  std::string planner = "rrt";
+  std::string metric = "own";  ///< of the peer
   std::uint64_t seeds = 100;
 };
 
-/// Reads [--scene NAME] [--checker NAME] [--seeds N]; the first of `checkers` is the default. Throws
-/// std::invalid_argument.
+/// The planners that both sides have, by our names.
+inline const std::vector<std::string>& planners() {
+  static const std::vector<std::string> all = {"rrt", "rrt_connect", "prm"};
+  return all;
+}
+
+/// Reads [--scene NAME] [--checker NAME] [--planner NAME] [--metric own|trellis] [--seeds N]; the first of `checkers`
+/// is the default. Throws std::invalid_argument.
 inline Arguments parse(int argc, char** argv, const std::vector<std::string>& checkers) {
   Arguments result;
   result.checker = checkers.front();
@@ -109,6 +117,14 @@ inline Arguments parse(int argc, char** argv, const std::vector<std::string>& ch
         throw std::invalid_argument("no checker " + value);
       }
       result.checker = value;
+    } else if (name == "--planner") {
+      if (std::find(planners().begin(), planners().end(), value) == planners().end()) {
+        throw std::invalid_argument("no planner " + value);
+      }
+      result.planner = value;
+    } else if (name == "--metric") {
+      if (value != "own" && value != "trellis") throw std::invalid_argument("no metric " + value);
+      result.metric = value;
     } else if (name == "--seeds") {
       const char* end = value.data() + value.size();
       const auto [stop, error] = std::from_chars(value.data(), end, result.seeds);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <trellis/planner/nearest.hpp>
@@ -59,6 +60,8 @@ TEST_CASE("nearest neighbours agree with brute force in every space", "[nearest]
       CHECK(
           index.nearest(q).squared_distance ==
           Approx(expected.front().squared_distance).epsilon(1e-9).margin(1e-15 * space.diameter() * space.diameter()));
+      const auto nearest = index.nearest(q);
+      CHECK(index.squared_distance(std::as_const(points)[nearest.id], q) == nearest.squared_distance);
       index.k_nearest(q, 7, found);
       REQUIRE(found.size() == std::min<std::size_t>(7, points.size()));
       for (std::size_t k = 0; k < found.size(); ++k) {

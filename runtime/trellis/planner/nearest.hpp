@@ -34,6 +34,8 @@ class NearestIndex {
   [[nodiscard]] std::size_t size() const;
   /// The nearest point. Requires size() > 0.
   [[nodiscard]] Neighbour nearest(View q) const;
+  /// The squared distance of a point of the index from q, as `nearest` has it, to the bit.
+  [[nodiscard]] double squared_distance(View point, View q) const;
   /// The k nearest points, nearest first; all points if there are fewer than k.
   void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const;
   /// All points within `radius` (closed ball), in order of id.

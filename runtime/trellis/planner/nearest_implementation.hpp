@@ -26,6 +26,7 @@ class NearestIndex::Implementation {
   static constexpr std::uint32_t removed = std::numeric_limits<std::uint32_t>::max();
   [[nodiscard]] virtual std::size_t size() const = 0;
   [[nodiscard]] virtual Neighbour nearest(View q) const = 0;
+  [[nodiscard]] virtual double squared_distance(View point, View q) const = 0;
   virtual void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const = 0;
   virtual void within(View q, double radius, std::vector<Neighbour>& out) const = 0;
 };
@@ -51,21 +52,23 @@ class NearestCollector {
     if (k_ > few_) {
       out_.push_back(candidate);
       if (out_.size() == (limit_ < infinity ? k_ + k_ / 2 : k_ + 1)) select();
-    } else if (out_.size() < k_) {
-      // Few candidates are a heap with the farthest of them first.
-      out_.push_back(candidate);
-      std::push_heap(out_.begin(), out_.end(), nearer);
-      if (out_.size() == k_) limit_ = out_.front().squared_distance;
-    } else if (nearer(candidate, out_.front())) {
-      std::pop_heap(out_.begin(), out_.end(), nearer);
-      out_.back() = candidate;
-      std::push_heap(out_.begin(), out_.end(), nearer);
-      limit_ = out_.front().squared_distance;
+      return;
     }
+    // Few candidates are sorted.
+    if (out_.size() < k_) {
+      out_.push_back(candidate);
+    } else if (!nearer(candidate, out_.back())) {
+      return;
+    }
+    std::size_t at = out_.size() - 1;
+    for (; at > 0 && nearer(candidate, out_[at - 1]); --at) out_[at] = out_[at - 1];
+    out_[at] = candidate;
+    if (out_.size() == k_) limit_ = out_.back().squared_distance;
   }
 
   /// Leaves the k nearest, nearest first.
   void finish() {
+    if (k_ <= few_) return;
     if (out_.size() > k_) select();
     std::sort(out_.begin(), out_.end(), NearerNeighbour());
   }

@@ -152,6 +152,16 @@ class RotationIndex final : public NearestIndex::Implementation {
     return best;
   }
 
+  [[nodiscard]] double squared_distance(View point, View q) const override {
+    thread_local Configuration from;
+    thread_local Configuration to;
+    from.assign(point.begin(), point.end());
+    to.assign(q.begin(), q.end());
+    space_.normalise(from);
+    space_.normalise(to);
+    return space_.squared_distance(from, to);
+  }
+
   void k_nearest(View q, std::size_t k, std::vector<NearestIndex::Neighbour>& out) const override {
     NearestCollector collector(k, out);
     if (k == 0) return;

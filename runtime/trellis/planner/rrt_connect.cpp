@@ -243,8 +243,8 @@ class RrtConnect final : public TreePlanner {
   /// Grows the other tree towards q until it reaches q, is blocked, or the guidance rejects the motion.
   void connect(std::size_t side, std::uint32_t from, const Configuration& q) {
     const std::size_t other = 1 - side;
+    auto near = nearest(*trees_[other], q);
     for (;;) {
-      const auto near = nearest(*trees_[other], q);
       if (near.squared_distance > 0.0 && !context_.guidance.worth_connecting((*trees_[other])[near.id], q)) return;
       const Step step = step_towards(other, near, q);
       if (!step.there) context_.guidance.observe(outcome_of(step, other, q), false);
@@ -253,6 +253,10 @@ class RrtConnect final : public TreePlanner {
         return;
       }
       if (step.fate == Fate::rejected) return;
+      // The node that was the nearest has a child that is nearer.
+      const double squared_distance = trees_[other]->squared_distance(step.added, q);
+      near = squared_distance < near.squared_distance ? NearestIndex::Neighbour{step.added, squared_distance}
+                                                      : nearest(*trees_[other], q);
     }
   }
 

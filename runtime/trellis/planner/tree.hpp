@@ -37,6 +37,10 @@ class Tree {
   [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
   [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
+  /// The squared distance of a node from q, as `nearest` has it.
+  [[nodiscard]] double squared_distance(std::uint32_t id, View q) const {
+    return index_.squared_distance((*this)[id], q);
+  }
   /// Nodes that are added from now on are new, or, where `begins` is false, no node is.
   void mark_new_nodes(bool begins) {
     new_nodes_.reset();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OMPL's RRT on the scenes of the paper, set up as its users would: SE(2) with OMPL's own metric |dxy| + 0.5 |dtheta|,
-// its default nearest neighbours, obstacles as FCL boxes under a dynamic tree (checker "fcl") or by plain separating
-// axes (checker "axes").
+// OMPL's RRT, RRT-Connect and PRM on the scenes of the paper, set up as its users would: SE(2) with OMPL's own metric
+// |dxy| + 0.5 |dtheta|, or, with --metric trellis, with ours; its default nearest neighbours, obstacles as FCL boxes
+// under a dynamic tree (checker "fcl") or by plain separating axes (checker "axes").
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/broadphase/default_broadphase_callbacks.h>
@@ -11,7 +11,9 @@
 #include <ompl/base/StateSampler.h>
 #include <ompl/base/goals/GoalState.h>
 #include <ompl/base/spaces/SE2StateSpace.h>
+#include <ompl/geometric/planners/prm/PRM.h>
 #include <ompl/geometric/planners/rrt/RRT.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
 
@@ -21,11 +23,13 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "axes_obstacles.hpp"
 #include "rrt_bench.hpp"
+#include "space.hpp"
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
@@ -104,12 +108,45 @@ class CountingGoal final : public ob::GoalState {
   std::uint64_t& count_;
 };
 
-bench::Run plan(const bench::Scene& scene, Obstacles& obstacles, std::uint64_t seed) {
+/// OMPL's PRM grows its roadmap in one thread, while a second one looks once in a millisecond whether start and goal
+/// are connected, so that no run repeats. This one looks after each milestone, and ends there.
+class OneThreadPrm final : public og::PRM {
+ public:
+  using og::PRM::PRM;
+
+  ob::PlannerStatus solve(const ob::PlannerTerminationCondition& stop) override {
+    checkValidity();
+    const Vertex start = addMilestone(si_->cloneState(pis_.nextStart()));
+    const Vertex goal = addMilestone(si_->cloneState(pis_.nextGoal()));
+    growRoadmap(ob::PlannerTerminationCondition([&] { return sameComponent(start, goal) || stop(); }));
+    if (!sameComponent(start, goal)) return ob::PlannerStatus::TIMEOUT;
+    pdef_->addSolutionPath(constructSolution(start, goal));
+    return ob::PlannerStatus::EXACT_SOLUTION;
+  }
+};
+
+/// The planner of our name.
+ob::PlannerPtr planner_of(const std::string& name, const ob::SpaceInformationPtr& information) {
+  if (name == "prm") return std::make_shared<OneThreadPrm>(information);
+  if (name == "rrt_connect") {
+    const auto planner = std::make_shared<og::RRTConnect>(information);
+    planner->setRange(bench::step);
+    return planner;
+  }
+  const auto planner = std::make_shared<og::RRT>(information);
+  planner->setRange(bench::step);
+  planner->setGoalBias(bench::goal_bias);
+  return planner;
+}
+
+bench::Run plan(const bench::Scene& scene, const bench::Arguments& arguments, Obstacles& obstacles,
+                std::uint64_t seed) {
   bench::Run run;
   // A run repeats only when everything that draws random numbers is made anew after this.
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
 
-  const auto space = std::make_shared<ob::SE2StateSpace>();
+  const auto space =
+      arguments.metric == "trellis" ? std::make_shared<bench::Space>() : std::make_shared<ob::SE2StateSpace>();
   ob::RealVectorBounds bounds(2);
   bounds.setLow(0.0);
   bounds.setHigh(bench::world_size);
@@ -147,9 +184,7 @@ bench::Run plan(const bench::Scene& scene, Obstacles& obstacles, std::uint64_t s
   target->setThreshold(bench::goal_tolerance);
   problem->setGoal(target);
 
-  const auto planner = std::make_shared<og::RRT>(information);
-  planner->setRange(bench::step);
-  planner->setGoalBias(bench::goal_bias);
+  const ob::PlannerPtr planner = planner_of(arguments.planner, information);
   planner->setProblemDefinition(problem);
   planner->setup();
 
@@ -183,7 +218,7 @@ int main(int argc, char** argv) {
       } else {
         obstacles = std::make_unique<AxesObstacles>(scene);
       }
-      return plan(scene, *obstacles, seed);
+      return plan(scene, arguments, *obstacles, seed);
     });
   } catch (const std::exception& error) {
     std::fprintf(stderr, "ompl_peer: %s\n", error.what());

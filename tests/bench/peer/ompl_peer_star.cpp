@@ -8,7 +8,6 @@
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/goals/GoalState.h>
 #include <ompl/base/objectives/PathLengthOptimizationObjective.h>
-#include <ompl/base/spaces/SE2StateSpace.h>
 #include <ompl/geometric/planners/rrt/InformedRRTstar.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/util/Console.h>
@@ -19,33 +18,21 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <numbers>
 
 #include "axes_obstacles.hpp"
 #include "rrt_bench.hpp"
+#include "space.hpp"
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 
 namespace {
 
-/// SE(2) with the root of the sum of squares, half a turn as long as a metre.
-class Space final : public ob::SE2StateSpace {
- public:
-  [[nodiscard]] double distance(const ob::State* a, const ob::State* b) const override {
-    const auto* p = a->as<StateType>();
-    const auto* q = b->as<StateType>();
-    double turn = std::abs(p->getYaw() - q->getYaw());
-    if (turn > std::numbers::pi) turn = 2.0 * std::numbers::pi - turn;
-    return std::hypot(p->getX() - q->getX(), p->getY() - q->getY(), turn / std::numbers::pi);
-  }
-};
-
 template <class Planner>
 void plan(const char* name, const bench::Scene& scene, std::uint64_t seed, double seconds) {
   // A run repeats only when everything that draws random numbers is made anew after this.
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
-  const auto space = std::make_shared<Space>();
+  const auto space = std::make_shared<bench::Space>();
   ob::RealVectorBounds bounds(2);
   bounds.setLow(0.0);
   bounds.setHigh(bench::world_size);
