@@ -157,6 +157,9 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   write_tables(options.style, options.out, report_markdown(facts, summary));
   write_file((folder / "table.csv").string(), report_csv(facts, summary));
   write_file((folder / "runs.csv").string(), runs_csv(facts));
+  if (const std::string couplings = couplings_csv(summary); !couplings.empty()) {
+    write_file((folder / "couplings.csv").string(), couplings);
+  }
   write_file((folder / "results.json").string(), report_json(facts, summary));
   write_html(experiment, result, facts, summary, (folder / "report.html").string());
   write_comparison_figures(cost_data(facts, summary), (folder / "figures").string(), style);
@@ -233,6 +236,7 @@ ExperimentResult run_problems(const Experiment& experiment, const Options& optio
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
       std::move(found.left_out.begin(), found.left_out.end(), std::back_inserter(result.left_out));
+      std::move(found.uncoupled.begin(), found.uncoupled.end(), std::back_inserter(result.uncoupled));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
