@@ -38,6 +38,7 @@
 #include <trellis/figures/gltf.hpp>
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/scene_figures.hpp>
+#include <trellis/figures/schedule_figures.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
@@ -145,6 +146,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
                        const std::string& folder, const SceneFigureOptions& options, bool quiet) {
   write_figures(summary, folder, options.jobs, options.style);
   write_motion_figures(experiment, result, folder, options.jobs, options.style);
+  write_schedule_figures(experiment, result, folder, options.style);
   for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
     if (!quiet) print_message(note);
   }
