@@ -2,8 +2,11 @@
 // Pictures of teams: each robot where it is, in its colour.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -11,6 +14,7 @@
 #include <trellis/figures/gltf.hpp>
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/scene_figures.hpp>
+#include <trellis/figures/schedule_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/figures/traces.hpp>
 #include <trellis/report/experiment_summary.hpp>
@@ -104,7 +108,8 @@ TEST_CASE("a team has pictures of its samples, of its guides and of its motion",
   const Folder folder;
   CHECK(write_scene_figures(experiment, result, folder.path().string()).empty());
   write_motion_figures(experiment, result, folder.path().string());
-  for (const char* name : {"samples", "levels", "motion"}) {
+  write_schedule_figures(experiment, result, folder.path().string());
+  for (const char* name : {"samples", "levels", "motion", "schedule"}) {
     CAPTURE(name);
     std::string svg;
     for (const std::string& file : folder.files()) {
@@ -119,6 +124,57 @@ TEST_CASE("a team has pictures of its samples, of its guides and of its motion",
     for (std::size_t i = 0; i < 3; ++i) CHECK(svg.find(colour(i)) != std::string::npos);
     CHECK(svg.find(colour(3)) == std::string::npos);
   }
+}
+
+TEST_CASE("a coordination diagram shows where two robots touch on their paths", "[report][team]") {
+  // Discs of radius 0.5 on crossing lines of 8 m: they touch where both are within 1 m of the crossing.
+  const Problem problem = test::make_problem("crossing", test::rectangle_world({}),
+                                             Robot::team({Robot::disc(0.5), Robot::disc(0.5), Robot::disc(0.5)}),
+                                             {1, 5, 5, 1, 1, 9}, {9, 5, 5, 9, 3, 9});
+  Configurations path(6);
+  // The first crosses, then the second does; the third moves 2 m meanwhile.
+  for (const Configuration& q :
+       {Configuration{1, 5, 5, 1, 1, 9}, Configuration{9, 5, 5, 1, 3, 9}, Configuration{9, 5, 5, 9, 3, 9}}) {
+    path.push(q);
+  }
+  const TeamProgress progress = progress_of(problem, path);
+  CHECK(progress.numbers == std::vector<std::size_t>{1, 2, 3});
+  CHECK(progress.at == std::vector<double>{0, 8, 16});
+  CHECK(progress.distance[0] == std::vector<double>{0, 8, 8});
+  CHECK(progress.distance[1] == std::vector<double>{0, 0, 8});
+  CHECK(progress.distance[2] == std::vector<double>{0, 2, 2});
+  constexpr std::size_t cells = 80;
+  const ContactRegion region = contact_region(problem, path, 0, 1, cells);
+  std::size_t expected = 0;
+  for (std::size_t row = 0; row < cells; ++row) {
+    for (std::size_t column = 0; column < cells; ++column) {
+      const double x = (static_cast<double>(column) + 0.5) / 10.0 - 4.0,
+                   y = (static_cast<double>(row) + 0.5) / 10.0 - 4.0;
+      const bool touch = std::hypot(x, y) <= 1.0;
+      expected += touch ? 1 : 0;
+      CHECK((region.touch[row * cells + column] != 0) == touch);
+    }
+  }
+  CHECK(region.size() == expected);
+  CHECK(contact_region(problem, path, 0, 2, cells).size() == 0);
+  const auto figure = schedule_figure(problem, path);
+  REQUIRE(figure);
+  // The progress of all, and the only pair that can touch.
+  REQUIRE(figure->panels.size() == 2);
+  CHECK(figure->panels[0].series.size() == 3);
+  CHECK(figure->panels[1].title == "robots 1 and 2");
+  // Its shades cover a disc of radius 1 in the middle.
+  const auto shaded = [&](double x, double y) {
+    return std::any_of(figure->panels[1].shades.begin(), figure->panels[1].shades.end(), [&](const draw::Shade& shade) {
+      return x > shade.from && x < shade.to && y > shade.y->first && y < shade.y->second;
+    });
+  };
+  for (int i = 0; i < 36; ++i) {
+    const double x = std::cos(i * std::numbers::pi / 18.0), y = std::sin(i * std::numbers::pi / 18.0);
+    CHECK(shaded(4.0 + 0.9 * x, 4.0 + 0.9 * y));
+    CHECK_FALSE(shaded(4.0 + 1.15 * x, 4.0 + 1.15 * y));
+  }
+  CHECK_FALSE(schedule_figure(test::cup_problem(), Configurations(3)));
 }
 
 TEST_CASE("64 robots have 24 colours, and neighbours differ", "[report][team]") {

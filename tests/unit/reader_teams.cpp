@@ -137,3 +137,62 @@ TEST_CASE("PPL: what is no team or no query of one is named with its line", "[re
   CHECK_THAT(fault(cube, good + "1 6 6\n"), Contains("a.query:5: robot 0 has 2 configurations and robot 1 has 3"));
   CHECK_THAT(fault(cube, "0 -5 -5 0.5\n1 -5 5\n"), Contains("a query needs a start and a goal, got 1"));
 }
+
+namespace {
+
+/// A scenario of FibrationTrees: a box, a cylinder, two discs.
+std::string scenario(const std::string& second = "DiskRobot", const std::string& goal = "[6, 0, -6, 0]") {
+  return "name: crossing\nobstacles:\n  Obstacle0:\n    type: floor\n    height: -0.15\n"
+         "  Obstacle1:\n    name: wall\n    type: box\n    position: [0, 4, 1]\n    size: [6, 2, 2]\n"
+         "  Obstacle2:\n    type: cylinder\n    position: [0, -4, 1]\n    size: [0.5, 5]\n"
+         "robots:\n  Robot0:\n    name: MultiRobot\n    robots: [Robot1, Robot2]\n    root: True\n"
+         "  Robot1:\n    name: DiskRobot\n    lower_limits: [-8, -8]\n    upper_limits: [8, 8]\n    radius: 1.25\n"
+         "  Robot2:\n    name: " +
+         second +
+         "\n    lower_limits: [-8, -8]\n    upper_limits: [8, 8]\n"
+         "problem:\n  start:\n    type: joint\n    config: [-6, 0, 6, 0]\n"
+         "  goal:\n    type: joint\n    threshold: 0.5\n    config: " +
+         goal + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("a scenario of FibrationTrees is a team of discs among outlines on the floor", "[reader][team]") {
+  const test::Folder folder;
+  const SceneFile file = read_scene(folder.write("crossing.yaml", scenario()), {});
+  CHECK(file.format == "FibrationTrees");
+  REQUIRE(file.problems.size() == 1);
+  const Problem& problem = file.problems[0];
+  CHECK(problem.name == "crossing");
+  CHECK(problem.start == Configuration{-6, 0, 6, 0});
+  CHECK(problem.goal() == Configuration{6, 0, -6, 0});
+  const PlanarScene& scene = planar(*problem.scene);
+  REQUIRE(scene.robot.members().size() == 2);
+  CHECK(scene.robot.members()[0].robot->inscribed_radius() == Approx(1.25));
+  // Without a radius it is 1 m.
+  CHECK(scene.robot.members()[1].robot->inscribed_radius() == Approx(1.0));
+  CHECK(scene.world.obstacles().size() == 2);
+  // Limits are those of centres: the larger disc touches the bounds at its limit.
+  CHECK(scene.world.bounds().lo.x == Approx(-9.25));
+  CHECK(scene.world.bounds().hi.y == Approx(9.25));
+  const auto checker = make_checker("planar", problem.scene, problem.space, 0.05);
+  CHECK(checker->valid(problem.start));
+  CHECK_FALSE(checker->valid(Configuration{0, 2, 6, 0}));     // the box
+  CHECK_FALSE(checker->valid(Configuration{0, -2.5, 6, 0}));  // the cylinder
+  CHECK_FALSE(checker->valid(Configuration{4.5, 0, 6, 0}));   // each other
+  CHECK(file.warnings.size() == 2);
+}
+
+TEST_CASE("what of FibrationTrees is not read is an error with its line", "[reader][team]") {
+  const test::Folder folder;
+  CHECK_THAT(fault_of(folder.write("a.yaml", scenario("DroneRobot"))),
+             Contains("a.yaml:26") && Contains("'DroneRobot'") && Contains("teams of discs"));
+  CHECK_THAT(fault_of(folder.write("b.yaml", scenario("DiskRobot", "[6, 0]"))),
+             Contains("b.yaml:") && Contains("expected 4 numbers: x, y of each robot"));
+  std::string mesh = scenario();
+  mesh.replace(mesh.find("cylinder"), 8, "urdf");
+  CHECK_THAT(fault_of(folder.write("c.yaml", mesh)), Contains("expected one of floor, box, cylinder"));
+  std::string rootless = scenario();
+  rootless.replace(rootless.find("root: True"), 10, "root: False");
+  CHECK_THAT(fault_of(folder.write("d.yaml", rootless)), Contains("no robot has 'root: True'"));
+}

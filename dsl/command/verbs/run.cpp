@@ -38,6 +38,7 @@
 #include <trellis/figures/gltf.hpp>
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/scene_figures.hpp>
+#include <trellis/figures/schedule_figures.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
@@ -145,6 +146,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
                        const std::string& folder, const SceneFigureOptions& options, bool quiet) {
   write_figures(summary, folder, options.jobs, options.style);
   write_motion_figures(experiment, result, folder, options.jobs, options.style);
+  write_schedule_figures(experiment, result, folder, options.style);
   for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
     if (!quiet) print_message(note);
   }
@@ -157,6 +159,9 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   write_tables(options.style, options.out, report_markdown(facts, summary));
   write_file((folder / "table.csv").string(), report_csv(facts, summary));
   write_file((folder / "runs.csv").string(), runs_csv(facts));
+  if (const std::string couplings = couplings_csv(summary); !couplings.empty()) {
+    write_file((folder / "couplings.csv").string(), couplings);
+  }
   write_file((folder / "results.json").string(), report_json(facts, summary));
   write_html(experiment, result, facts, summary, (folder / "report.html").string());
   write_comparison_figures(cost_data(facts, summary), (folder / "figures").string(), style);
@@ -233,6 +238,7 @@ ExperimentResult run_problems(const Experiment& experiment, const RunOptions& op
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
       std::move(found.left_out.begin(), found.left_out.end(), std::back_inserter(result.left_out));
+      std::move(found.uncoupled.begin(), found.uncoupled.end(), std::back_inserter(result.uncoupled));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {

@@ -37,8 +37,8 @@ const Settings<ExperimentSettings>& experiment_settings() {
                    "rounds of shortcutting on each found path before it is reported")
           .number("ablation", &ExperimentSettings::ablation, "times the experiment's work", Range::at_least(0),
                   "the work that may be spent on the verdicts on levels: runs of each strategy without each of its "
-                  "guides, unscored, in validity checks; a scored run counts 20 000 more. 0: no verdicts but those of "
-                  "the experiment's own strategies")
+                  "guides, unscored, in validity checks; a scored run counts 20 000 more. As much again for the "
+                  "verdicts on the robots of a team. 0: no verdicts but those of the experiment's own strategies")
           .integer("cross", &ExperimentSettings::cross, "paths", Range::non_negative(),
                    "paths of other seeds that each run is scored on besides its own")
           .boolean("cross_levels", &ExperimentSettings::cross_levels,

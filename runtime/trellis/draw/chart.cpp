@@ -506,7 +506,7 @@ class Plot {
     Canvas scratch(width_, height_);
     Canvas ink(width_, height_);
     const Rect& plot = cells_[0].frame.plot;
-    for (const auto& s : figure_.panels[0].shades) stretch(ink, cells_[0], s.from, s.to, plot.y, plot.height, s.colour);
+    for (const auto& s : figure_.panels[0].shades) shade(ink, cells_[0], s);
     marks::draw(ink, figure_.panels[0], cells_[0].frame);
     marks::label_references(scratch, ink, figure_.panels[0], cells_[0].frame);
     const Ink seen = ink.ink();
@@ -539,8 +539,7 @@ class Plot {
     const Rect& plot = cell.frame.plot;
     block(canvas, cell.title, {plot.x, plot.y - lanes_height(panel) - 4.0 - block_height(cell.title, panel_font)},
           {panel_font, palette::ink});
-    for (const auto& shade : panel.shades)
-      stretch(canvas, cell, shade.from, shade.to, plot.y, plot.height, shade.colour);
+    for (const auto& one : panel.shades) shade(canvas, cell, one);
     grid(canvas, panel, cell);
     const bool empty = blank(panel);
     {
@@ -554,6 +553,13 @@ class Plot {
       canvas.text("no data", plot.centre(),
                   {{.size = 9.0, .italic = true}, palette::muted, Align::centre, Stand::middle});
     }
+  }
+
+  static void shade(Canvas& canvas, const Cell& cell, const Shade& one) {
+    const Rect& plot = cell.frame.plot;
+    const double top = one.y ? cell.frame.y.inside(one.y->second) : plot.y;
+    const double bottom = one.y ? cell.frame.y.inside(one.y->first) : plot.bottom();
+    stretch(canvas, cell, one.from, one.to, top, bottom - top, one.colour);
   }
 
   static void stretch(Canvas& canvas, const Cell& cell, double from, double to, double y, double height,

@@ -64,12 +64,13 @@ struct Connector {
   bool arrow = false;
 };
 
-/// A shaded interval of the x axis, over the panel's height.
+/// A shaded interval of the x axis, over the panel's height or an interval of the y axis.
 struct Shade {
   double from = 0.0;
   double to = 0.0;
   std::string name{};  ///< in the legend
   Colour colour = palette::shade;
+  std::optional<std::pair<double, double>> y{};
 };
 
 /// Intervals of the x axis, marked in a strip above the panel.

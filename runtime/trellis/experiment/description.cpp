@@ -311,6 +311,7 @@ ExperimentFacts facts_of(const Experiment& experiment, const ExperimentResult& r
   for (const RunResult& run : result.runs) facts.runs.push_back(facts_of(run));
   facts.pooled = result.pooled;
   facts.left_out = result.left_out;
+  facts.uncoupled = result.uncoupled;
   facts.published = experiment.published;
   add_obstruction(experiment, facts);
   return facts;

@@ -22,6 +22,7 @@
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/experiment/store.hpp>
+#include <trellis/experiment/uncoupled_runs.hpp>
 #include <trellis/measure/estimator.hpp>
 #include <trellis/strategy/ablation.hpp>
 #include <trellis/strategy/scale.hpp>
@@ -318,7 +319,10 @@ class Runner {
   }
 
   /// \throws Interrupted
-  void ablate() { run_left_out(experiment_, result_, options_); }
+  void ablate() {
+    run_left_out(experiment_, result_, options_);
+    run_uncoupled(experiment_, result_, options_);
+  }
 
   ExperimentResult take() {
     // No later step uses the checkers, scenes and guides of the levels.

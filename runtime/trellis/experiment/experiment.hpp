@@ -146,8 +146,9 @@ struct ExperimentResult {
   std::vector<RunResult> runs;         ///< by problem, strategy, seed, for any number of threads
   std::vector<PooledScores> pooled;    ///< by problem, strategy and level; none without two seeds and a path
   std::vector<LeftOut> left_out = {};  ///< by problem, strategy, guide; none where a strategy of the experiment serves
-  double planning_seconds = 0.0;       ///< wall clock of all runs
-  double measuring_seconds = 0.0;      ///< wall clock of their scoring
+  std::vector<Uncoupled> uncoupled = {};  ///< by problem, strategy, robots
+  double planning_seconds = 0.0;          ///< wall clock of all runs
+  double measuring_seconds = 0.0;         ///< wall clock of their scoring
 };
 
 /// Returns the object `experiment` of the document, on one line without its end.

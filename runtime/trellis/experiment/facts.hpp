@@ -159,6 +159,21 @@ struct LeftOut {
   /// none. A run that was cut off at `most_left_out_work` counts as unsolved.
   std::vector<CensoredCost> costs;
 };
+
+/// The costs of a strategy that divides a team on a problem in which some robots pass through each other: runs that are
+/// not scored (Experiment::ablation).
+struct Uncoupled {
+  std::string problem;
+  std::string strategy;
+  /// The numbers of the robots: of two, that pass through each other; of one, that passes through all others; none:
+  /// all pass through all.
+  std::vector<std::size_t> robots;
+  /// As LeftOut::costs. A run counts as solved where its path is certified among all robots.
+  std::vector<CensoredCost> costs;
+  /// Where all pass through all: for each seed the pairs of robots, by their numbers, that touch on the path found.
+  std::vector<std::vector<std::vector<std::size_t>>> touching = {};
+};
+
 /// Published results of an experiment, for comparison.
 struct Publication {
   /// SE of the root's tree and expansion, nats; NaN: not given.
@@ -230,6 +245,7 @@ struct ExperimentFacts {
   std::vector<RunFacts> runs;
   std::vector<PooledScores> pooled;
   std::vector<LeftOut> left_out;
+  std::vector<Uncoupled> uncoupled;
   std::optional<Publication> published;
 
   /// Returns the strategy to compare the others with, as baseline_of().

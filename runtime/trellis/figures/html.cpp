@@ -22,6 +22,7 @@
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/html_parts.hpp>
 #include <trellis/figures/html_run.hpp>
+#include <trellis/figures/schedule_figures.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
@@ -574,17 +575,65 @@ Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds
   return json;
 }
 
+/// Of each problem and strategy the picture of when the robots of a team move, "" for none.
+using Schedules = std::vector<std::vector<std::string>>;
+
+/// Of the first run of each strategy that found a path.
+Schedules schedules_of(const Experiment& experiment, const ExperimentResult& result) {
+  Schedules schedules;
+  for (const Problem& problem : experiment.problems) {
+    std::vector<std::string>& of = schedules.emplace_back();
+    for (const auto& entry : experiment.strategies) {
+      of.emplace_back();
+      for (const RunResult* run : select_runs(result, problem.name, entry.first)) {
+        if (!run->run.solved) continue;
+        auto figure = schedule_figure(problem, run->run.path);
+        if (figure) figure->title += fmt::format(", {}, seed {}", entry.first, run->seed);
+        if (figure) of.back() = draw::plot(*figure).markup("schedule");
+        break;
+      }
+    }
+  }
+  return schedules;
+}
+
+/// The table of who needs coordination, "" for no team.
+std::string couplings_table(const StrategySummary& of) {
+  if (of.couplings.empty()) return "";
+  std::string body;
+  for (const CouplingSummary& one : of.couplings) {
+    const auto& solved = one.verdict.costs;
+    body +=
+        fmt::format(R"(<tr><th scope="row">{}</th>)", escaped(one.name())) + cell(escaped(coupling_text(one))) +
+        cell(fmt::format("{}/{}", one.conflicts, one.runs)) +
+        cell(solved ? fmt::format("{}/{}", solved->reference_solved, solved->pairs) : "–") +
+        cell(one.needed.n > 0 ? fmt::format("{} % ({})", percent(one.needed.value), wilson_text(one.needed)) : "–") +
+        cell(one.costs ? ratio_word(one.costs->ratio.value) : "–") + "</tr>\n";
+  }
+  const std::vector<Columns> columns = {
+      {"", {"coordination"}}, {"passing through each other", {"conflicts", "solved"}}, {"", {"needed", "× checks"}}};
+  return fmt::format(
+      "<p class=\"muted\">Who needs coordination? Each row is of runs in which these robots pass through each other "
+      "during "
+      "the search.</p>\n<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n",
+      heading("robots", columns), body);
+}
+
 /// The tables of levels and the figures, of each problem and strategy.
-std::string worth_scripts(const ExperimentSummary& experiment) {
+/// \param schedules  empty: none
+std::string worth_scripts(const ExperimentSummary& experiment, const Schedules& schedules) {
   std::string out;
   for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
     for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
       const StrategySummary& one = experiment.problems[p].strategies[s];
       const std::string place = fmt::format("{}-{}", p, s);
-      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(one, experiment.measured));
-      if (!experiment.measured) continue;
-      const auto figures = strategy_figures(experiment.problems[p].problem, one.strategy, one.runs);
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place,
+                         level_table(one, experiment.measured) + couplings_table(one));
       Json drawn = Json::array();
+      if (p < schedules.size() && !schedules[p][s].empty()) drawn.push_back(schedules[p][s]);
+      const StrategyFigures figures = experiment.measured
+                                          ? strategy_figures(experiment.problems[p].problem, one.strategy, one.runs)
+                                          : StrategyFigures{};
       if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
       if (figures.plane) drawn.push_back(draw::plot(*figures.plane).markup("plane"));
       if (figures.strip) drawn.push_back(draw::plot(*figures.strip).markup("strip"));
@@ -725,9 +774,9 @@ struct Tables {
   std::string summary;
   std::string worth;
 };
-Tables tables_of(const HtmlContent& content) {
+Tables tables_of(const HtmlContent& content, const Schedules& schedules) {
   return {summary_table(content) + warnings_html(content.summary),
-          worth_scripts(content.summary) + comparison_scripts(content)};
+          worth_scripts(content.summary, schedules) + comparison_scripts(content)};
 }
 
 /// \param in_space  whether a problem is one of space: the page contains the viewer of space
@@ -753,7 +802,7 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
   constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
   const HtmlParts& parts = html_parts();
   const HtmlContent content = content_of(facts, summary);
-  const Tables tables = tables_of(content);
+  const Tables tables = tables_of(content, schedules_of(experiment, result));
   RobotTable robots;
   WorldTable worlds;
   const bool in_space = std::any_of(experiment.problems.begin(), experiment.problems.end(), is_spatial);
@@ -779,7 +828,7 @@ std::string stored_report_html(const ExperimentFacts& facts, const ExperimentSum
   const std::string note = fmt::format(
       "This page is made of {}, which has no samples: it replays no run. `trellis run --html` writes a page that does.",
       file);
-  return page_of(content, tables_of(content), R"(<p class="note">)" + escaped(note) + "</p>",
+  return page_of(content, tables_of(content, {}), R"(<p class="note">)" + escaped(note) + "</p>",
                  data_scripts(content, std::move(problems), {}, {}, {}));
 }
 

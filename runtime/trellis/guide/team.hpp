@@ -28,6 +28,7 @@ struct TeamDivision {
   std::shared_ptr<const RobotsPath> given;  ///< of `order`: a path that the other members follow; nullptr: none
   std::int64_t tries = 1;
   std::int64_t effort = 1;  ///< proposals of each search
+  bool of_window = false;   ///< it resolves a conflict of another division
 };
 
 /// The division of a guide of the registry.

@@ -158,7 +158,9 @@ SceneFile read_dynobench(const SourceText& text, const ReadOptions& options) {
     throw text.error(
         1,
         "no scene that can be read: it is YAML of no known format; of YAML Trellis reads maps of ROS, with "
-        "'image' and 'resolution', and scenes of dynobench, with 'environment' and 'robots'");
+        "'image' and 'resolution', scenes of dynobench, with 'environment' and 'robots', and scenarios of "
+        "FibrationTrees, "
+        "with 'robots' and 'problem'");
   }
   ErrorList errors;
   std::optional<World> world;

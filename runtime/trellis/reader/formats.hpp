@@ -116,6 +116,11 @@ SceneFile read_image(const std::string& path, const ReadOptions& options);
 bool is_sbpl_arm(const SourceText& text);
 SceneFile read_sbpl_arm(const SourceText& text, const ReadOptions& options);
 
+/// Whether the text has the keys of a scenario of FibrationTrees: `robots` and `problem`, and no `environment`.
+bool is_fibration_trees(const SourceText& text);
+/// Reads teams of discs on a floor. \throws Error for other robots and obstacles
+SceneFile read_fibration_trees(const SourceText& text, const ReadOptions& options);
+
 /// Whether the text has the keys of a scene of dynobench: `environment` and `robots`.
 bool is_dynobench(const SourceText& text);
 /// \throws Error also where the text is not YAML.

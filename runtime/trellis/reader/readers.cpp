@@ -24,7 +24,7 @@ struct Format {
 };
 
 /// In the order in which a file is tried; the last one explains what it expected.
-constexpr std::array<Format, 12> formats = {{{is_moving_ai_map, read_moving_ai_map, false},
+constexpr std::array<Format, 13> formats = {{{is_moving_ai_map, read_moving_ai_map, false},
                                              {is_moving_ai_queries, read_moving_ai_queries, false},
                                              {is_barn, read_barn, false},
                                              {is_rl_plan, read_rl_plan, true},
@@ -35,6 +35,7 @@ constexpr std::array<Format, 12> formats = {{{is_moving_ai_map, read_moving_ai_m
                                              {is_sbpl_arm, read_sbpl_arm, true},
                                              {is_ros_map, read_ros_map, false},
                                              {is_moveit_scene, read_moveit_scene, true},
+                                             {is_fibration_trees, read_fibration_trees, true},
                                              {[](const SourceText& text) {
                                                 static_cast<void>(text);
                                                 return true;

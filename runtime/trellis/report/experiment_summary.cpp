@@ -43,10 +43,11 @@ ProblemSummary summarise_problem(const ExperimentFacts& experiment, const std::s
   ProblemSummary summary;
   summary.problem = problem;
   for (const StrategyFacts& strategy : experiment.strategies) {
-    StrategySummary one{strategy.name, summarise(experiment, problem, strategy.name), {}, {}, {}};
+    StrategySummary one{strategy.name, summarise(experiment, problem, strategy.name), {}, {}, {}, {}};
     one.verdicts = level_verdicts(verdicts, problem, strategy.name, one.runs);
     one.parts = part_verdicts(verdicts, problem, strategy.name, one.runs);
     one.unsolved = unsolved_text(experiment.select(problem, strategy.name));
+    one.couplings = couplings_of(experiment, problem, strategy.name);
     summary.strategies.push_back(std::move(one));
   }
   std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(summary.comparisons),

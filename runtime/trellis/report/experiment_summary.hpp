@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/report/couplings.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/verdict.hpp>
 
@@ -15,9 +16,10 @@ namespace trellis {
 struct StrategySummary {
   std::string strategy;
   RunsSummary runs;
-  std::vector<Verdict> verdicts;    ///< on its levels; empty for an ablation
-  std::vector<GuideVerdict> parts;  ///< on its guides without a level
-  std::string unsolved;             ///< why runs found no path, "" where all did
+  std::vector<Verdict> verdicts;           ///< on its levels; empty for an ablation
+  std::vector<GuideVerdict> parts;         ///< on its guides without a level
+  std::string unsolved;                    ///< why runs found no path, "" where all did
+  std::vector<CouplingSummary> couplings;  ///< of a guide that divides a team; none on all problems together
 };
 
 /// All strategies on a problem, or on all problems together.

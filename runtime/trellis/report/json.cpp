@@ -227,6 +227,25 @@ Json certified_json(const CertifiedSummary& certified) {
           {"seed", certified.paths > 0 ? Json(certified.seed) : Json(nullptr)}};
 }
 
+Json coupling_json(const CouplingSummary& coupling) {
+  Json resolved = Json::object();
+  for (std::size_t i = 0; i < coupling.resolved.size(); ++i) resolved[resolved_names()[i]] = coupling.resolved[i];
+  return {{"robots", coupling.robots},
+          {"runs", coupling.runs},
+          {"conflicts", coupling.conflicts},
+          {"resolved", std::move(resolved)},
+          {"conflict_checks", coupling.checks},
+          {"needed",
+           {{"value", number(coupling.needed.value)},
+            {"lo", number(coupling.needed.lo)},
+            {"hi", number(coupling.needed.hi)},
+            {"n", coupling.needed.n}}},
+          {"check_ratio", coupling.costs ? median_json(coupling.costs->ratio) : Json(nullptr)},
+          {"costs", coupling.costs ? paired_json(*coupling.costs) : Json(nullptr)},
+          {"verdict", coupling_text(coupling)},
+          {"solved", coupling.verdict.costs ? paired_json(*coupling.verdict.costs) : Json(nullptr)}};
+}
+
 Json summary_json(const StrategySummary& of, const Json& problem) {
   const RunsSummary& summary = of.runs;
   Json guides = Json::array();
@@ -311,6 +330,10 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
     json["makespan"] = interval_json(summary.makespan);
     json["sum_of_costs"] = interval_json(summary.sum_of_costs);
   }
+  if (!of.couplings.empty()) {
+    Json& couplings = json["couplings"] = Json::array();
+    for (const CouplingSummary& coupling : of.couplings) couplings.push_back(coupling_json(coupling));
+  }
   return json;
 }
 
@@ -321,6 +344,12 @@ std::string lines(const std::vector<Json>& entries) {
   std::string out = "[";
   for (std::size_t i = 0; i < entries.size(); ++i) out += (i == 0 ? "\n  " : ",\n  ") + dump(entries[i]);
   return out + (entries.empty() ? "]" : "\n ]");
+}
+
+Json costs_json(const std::vector<CensoredCost>& costs) {
+  Json out = Json::array();
+  for (const CensoredCost& cost : costs) out.push_back({{"validity_checks", cost.spent}, {"solved", cost.solved}});
+  return out;
 }
 
 std::string begin_document(const std::string& version, const std::string& script, const std::string& experiment) {
@@ -349,12 +378,16 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
   for (const PooledScores& one : experiment.pooled) pooled.push_back(json::pooled(one));
   std::vector<Json> left_out;
   for (const LeftOut& one : experiment.left_out) {
-    Json costs = Json::array();
-    for (const CensoredCost& cost : one.costs) {
-      costs.push_back({{"validity_checks", cost.spent}, {"solved", cost.solved}});
-    }
     left_out.push_back(
-        {{"problem", one.problem}, {"strategy", one.strategy}, {"key", one.key}, {"costs", std::move(costs)}});
+        {{"problem", one.problem}, {"strategy", one.strategy}, {"key", one.key}, {"costs", costs_json(one.costs)}});
+  }
+  std::vector<Json> uncoupled;
+  for (const Uncoupled& one : experiment.uncoupled) {
+    uncoupled.push_back({{"problem", one.problem},
+                         {"strategy", one.strategy},
+                         {"robots", one.robots},
+                         {"costs", costs_json(one.costs)}});
+    if (one.robots.empty()) uncoupled.back()["touching"] = one.touching;
   }
   std::vector<Json> obstructions;
   for (const ProblemFacts& one : experiment.problems) {
@@ -365,6 +398,7 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
   out += " \"runs\": " + lines(runs) + ",\n";
   out += " \"pooled\": " + lines(pooled) + ",\n";
   out += " \"left_out\": " + lines(left_out) + ",\n";
+  if (!uncoupled.empty()) out += " \"uncoupled\": " + lines(uncoupled) + ",\n";
   out += " \"obstructions\": " + lines(obstructions) + ",\n";
   out += " \"summary\": " + lines(summaries) + ",\n";
   out += " \"comparisons\": " + lines(comparisons) + ",\n";

@@ -213,7 +213,20 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
 constexpr std::array of_teams = {
     Quantity{"times", "makespan", "", "s", less, "of a team: when the last robot is at its goal, at 1 m/s at most"},
     Quantity{"times", "sum_of_costs", "", "s", less,
-             "of a team: the sum over robots of the time until it is at its goal and stays there"}};
+             "of a team: the sum over robots of the time until it is at its goal and stays there"},
+    Quantity{"couplings", "conflicts", "", "runs", none,
+             "of robots of a team: runs in which they touch on their paths where all robots pass through each other "
+             "during the search"},
+    Quantity{"couplings", "conflict_checks", "", "", less,
+             "of robots of a team: validity checks of all runs, from when a guide that divides the team found their "
+             "conflicts until they were resolved"},
+    Quantity{"couplings", "needed", "", "share", none,
+             "of robots of a team: the share of the seeds solved whose path touches, or is missing, where these robots "
+             "pass through each other during the search"},
+    Quantity{
+        "couplings", "check_ratio", "", "", less,
+        "of robots of a team: validity checks divided by those where these robots pass through each other, median; "
+        "a path that touches costs infinitely much"}};
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/couplings.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/resolves.hpp>
 
@@ -52,6 +53,7 @@ void fields_of_run(R& run, const Field& field) {
   field("path", run.path);
   field("trajectory", run.trajectory);
   field("times", run.times);
+  field("conflicts", run.conflicts);
   field("bounded_loss", run.bounded);
   field("improvements", run.improvements);
   field("reasons", run.reasons);
@@ -138,6 +140,15 @@ void fields(T& object, const Field& field) {
     field("makespan", object.makespan);
     field("sum_of_costs", object.sum_of_costs);
   }
+  if constexpr (std::is_same_v<Plain, TeamConflict>) {
+    field("touching", object.touching);
+    field("robots", object.robots);
+    field("at", object.at);
+    field("from", object.from);
+    field("to", object.to);
+    field("resolved", object.resolved);
+    field("checks", object.checks);
+  }
   if constexpr (std::is_same_v<Plain, Trajectory>) {
     field("dt", object.dt);
     field("steps", object.steps);
@@ -218,6 +229,8 @@ Json json_of(const T& object) {
       if (status == object) return name;
     }
     throw Fault("unknown status");
+  } else if constexpr (std::is_same_v<T, TeamConflict::Resolved>) {
+    return resolved_names().at(static_cast<std::size_t>(object));
   } else if constexpr (std::is_same_v<T, Configurations>) {
     return rows_of(object);
   } else if constexpr (IsOptional<T>::value) {
@@ -345,6 +358,10 @@ void read(const Json& json, T& object) {
   } else if constexpr (std::is_same_v<T, Status>) {
     for (const auto& [status, name] : status_names) {
       if (json == name) object = status;
+    }
+  } else if constexpr (std::is_same_v<T, TeamConflict::Resolved>) {
+    for (std::size_t i = 0; i < resolved_names().size(); ++i) {
+      if (json == resolved_names()[i]) object = static_cast<TeamConflict::Resolved>(i);
     }
   } else if constexpr (std::is_same_v<T, Configurations>) {
     object = read_rows(json);
@@ -510,6 +527,7 @@ Json resolves(const Resolves& resolves) { return json_of(resolves); }
 
 Json run(const RunFacts& run) {
   Json out = json_of(run);
+  if (run.conflicts.empty()) out.erase("conflicts");
   Json& law = out["bounded_loss"];
   if (law.is_object()) law["won"] = !run.solved ? "none" : run.bounded.unguided_won ? "unguided" : "guided";
   return out;

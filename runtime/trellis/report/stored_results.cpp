@@ -47,6 +47,14 @@ PooledScores pooled_of(const Json& json) {
           .scores = {json::read_measured_set(json.at("tree")), json::read_measured_set(json.at("expansion"))}};
 }
 
+std::vector<CensoredCost> costs_of(const Json& json) {
+  std::vector<CensoredCost> costs;
+  for (const Json& cost : json.at("costs")) {
+    costs.push_back({cost.at("validity_checks").get<double>(), cost.at("solved").get<bool>()});
+  }
+  return costs;
+}
+
 void read_document(const Json& document, ExperimentFacts& facts) {
   const Json trellis = document.value("trellis", Json::object());
   facts.version = trellis.value("version", "");
@@ -64,9 +72,12 @@ void read_document(const Json& document, ExperimentFacts& facts) {
     left.problem = one.at("problem").get<std::string>();
     left.strategy = one.at("strategy").get<std::string>();
     left.key = one.at("key").get<std::string>();
-    for (const Json& cost : one.at("costs")) {
-      left.costs.push_back({cost.at("validity_checks").get<double>(), cost.at("solved").get<bool>()});
-    }
+    left.costs = costs_of(one);
+  }
+  for (const Json& one : document.value("uncoupled", Json::array())) {
+    facts.uncoupled.push_back({one.at("problem").get<std::string>(), one.at("strategy").get<std::string>(),
+                               one.at("robots").get<std::vector<std::size_t>>(), costs_of(one)});
+    if (one.contains("touching")) one.at("touching").get_to(facts.uncoupled.back().touching);
   }
 }
 

@@ -121,15 +121,14 @@ std::string reason_of(const RunsSummary& summary, std::size_t level, bool less) 
   return shown(mass) ? "mass" : shown(spread) ? "spread" : "";
 }
 
-/// "0.31", "1.6"; "0" where most runs without the guide found no path, "inf" where most runs with it found none.
-std::string ratio_word(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "inf"; }
-
 bool has_level(const RunsSummary& summary, const std::string& key) {
   return std::any_of(summary.levels.begin(), summary.levels.end(),
                      [&](const LevelSummary& level) { return guide_key(level.key) == key; });
 }
 
 }  // namespace
+
+std::string ratio_word(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "inf"; }
 
 std::string verdict_word(const Verdict& verdict) {
   switch (verdict.kind) {

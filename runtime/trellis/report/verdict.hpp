@@ -44,6 +44,8 @@ struct GuideVerdict {
   Verdict verdict;
 };
 
+/// "0.31", "1.6"; "0" where most runs without the guide found no path, "inf" where most runs with it found none.
+std::string ratio_word(double ratio);
 /// "pays", "costs", "not shown", "not tested"; "" for none.
 std::string verdict_word(const Verdict& verdict);
 /// "pays ×0.31 [0.25, 0.40] (mass)", "costs ×1.6", "not shown (15 seeds; ~40 would show it)".

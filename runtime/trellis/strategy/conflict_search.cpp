@@ -96,6 +96,8 @@ class ConflictSearch final : public Planner {
     double reach = 0.0;               ///< seconds to either side of it, of the window
     bool together = false;            ///< the robots are searched as one next, not one after another
     std::size_t growths = 0;
+    std::size_t record = 0;    ///< its place in Run::conflicts
+    std::uint64_t before = 0;  ///< validity checks when it was found
   };
   /// A part of the path of the team.
   struct Window {
@@ -195,6 +197,7 @@ class ConflictSearch final : public Planner {
       tries_left_ = 0;
       return;
     }
+    note_conflict(TeamConflict::Resolved::none);
     constexpr std::size_t most_together = 3;
     if (!conflict_->together && conflict_->robots.size() <= most_together) {
       conflict_->together = true;
@@ -273,6 +276,9 @@ class ConflictSearch final : public Planner {
       conflict.time = times_[valid_to_] + report.invalid_at * (times_[valid_to_ + 1] - times_[valid_to_]);
       conflict.reach = 2.0 * instance.scene->bounding_radius();
       if (conflict.reach <= 0.0) conflict.reach = 0.1 * times_.back();
+      conflict.record = run_.conflicts.size();
+      conflict.before = checks();
+      run_.conflicts.emplace_back().at = conflict.time;
       conflict_ = conflict;
       add_touching(path[valid_to_], path[valid_to_ + 1], report.invalid_at);
       return;
@@ -315,12 +321,36 @@ class ConflictSearch final : public Planner {
             ++team.checks.alone;
             free = pair.instance->validity->state(from);
           }
-          if (!free) robots.insert({i, k});
+          if (!free) touch(i, k, robots);
         }
       }
       if (robots.size() > known) break;
     }
     conflict_->robots.assign(robots.begin(), robots.end());
+  }
+
+  /// Adds two robots to those in conflict.
+  void touch(std::size_t i, std::size_t k, std::set<std::size_t>& robots) {
+    robots.insert({i, k});
+    auto& touching = run_.conflicts[conflict_->record].touching;
+    const std::vector<std::size_t> pair = {members_[i].number, members_[k].number};
+    if (std::find(touching.begin(), touching.end(), pair) == touching.end()) touching.push_back(pair);
+  }
+  /// Records what became of the conflict so far.
+  void note_conflict(TeamConflict::Resolved resolved) {
+    TeamConflict& record = run_.conflicts[conflict_->record];
+    record.robots.clear();
+    for (const std::size_t i : conflict_->robots) record.robots.push_back(members_[i].number);
+    record.from = window_.from;
+    record.to = window_.to;
+    record.resolved = resolved;
+    record.checks = checks() - conflict_->before;
+  }
+  /// The validity checks of this level and of all its searches so far.
+  [[nodiscard]] std::uint64_t checks() const {
+    std::uint64_t all = context_.instance.checks.validity;
+    for (const auto& level : levels_) all += level->instance().checks.validity;
+    return all;
   }
 
   /// Two robots in the world.
@@ -415,6 +445,7 @@ class ConflictSearch final : public Planner {
     }
     TeamDivision division;
     division.how = Coordination::order;
+    division.of_window = true;
     division.order = conflict_->robots;
     division.tries = 2 * static_cast<std::int64_t>(conflict_->robots.size());
     division.effort = static_cast<std::int64_t>(std::ceil(effort_));
@@ -443,7 +474,7 @@ class ConflictSearch final : public Planner {
         ++context_.instance.checks.validity;
         ++context_.instance.checks.alone;
         if (!pair.instance->validity->state(of_pair)) {
-          robots.insert({i, k});
+          touch(i, k, robots);
           nearest = 0.0;
         } else if (nearest > 0.0) {
           const double clearance = pair.instance->validity->clearance(of_pair);
@@ -456,7 +487,7 @@ class ConflictSearch final : public Planner {
       }
     }
     // Those that come too close to certify that they pass.
-    if (nearest > 0.0 && std::isfinite(nearest)) robots.insert({nearest_first, nearest_second});
+    if (nearest > 0.0 && std::isfinite(nearest)) touch(nearest_first, nearest_second, robots);
     conflict_->robots.assign(robots.begin(), robots.end());
   }
 
@@ -471,6 +502,7 @@ class ConflictSearch final : public Planner {
       if (times_[i] > window_.to) path.push(old[i]);
     }
     path_ = std::move(path);
+    note_conflict(conflict_->together ? TeamConflict::Resolved::together : TeamConflict::Resolved::one_by_one);
     conflict_.reset();
     note_times();
   }

@@ -176,6 +176,7 @@ class Running {
       record.path_seconds += search->check_path().cpu_seconds();
     }
     record.turns = run_.turns;
+    record.conflicts = run_.conflicts;
     if (!ended_ && run_.active_level != nullptr) run_.active_level->add_open_turn(record.turns);
     if (companion_) add_companion(record);
     const Level* companion = companion_ ? &companion_->search().level() : nullptr;

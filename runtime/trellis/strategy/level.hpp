@@ -60,7 +60,8 @@ struct Run {
   double lua_begin = 0.0;                 ///< lua_seconds() of the thread at the beginning of the run
   double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
-  bool refuted = false;                   ///< its last path was refuted, and no other one is known yet
+  std::vector<TeamConflict> conflicts;
+  bool refuted = false;  ///< its last path was refuted, and no other one is known yet
   RunShared shared;
   bool companion = false;  ///< it runs beside another run: its levels have the number -1
   double queries = 1.0;    ///< runs that share what is set up for the world

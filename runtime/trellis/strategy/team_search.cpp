@@ -134,6 +134,7 @@ class TeamSearch final : public Planner {
     TeamSpace space;
     std::unique_ptr<Instance> paths;
     ScheduleSearch search;
+    std::uint64_t checks = 0;
   };
 
   /// Begins the next search.
@@ -275,6 +276,9 @@ class TeamSearch final : public Planner {
   /// \param all  whether these are those of the team
   void take(Configurations path, bool all) {
     const auto next = std::find_if(groups_.begin(), groups_.end(), [](const Group& group) { return !group.path; });
+    if (next != groups_.end() && next->robots.size() > 1) {
+      note_joined(next->robots, levels_.back()->instance().checks.validity);
+    }
     if (next == groups_.end() || (all && waiting_.empty())) {
       found_ = std::move(path);
       note_path();
@@ -369,6 +373,12 @@ class TeamSearch final : public Planner {
           tries_left_ = 0;
           return;
         }
+        if (!division_.of_window) {
+          TeamConflict& conflict = run_.conflicts.emplace_back();
+          conflict.robots = numbers_of(next->robots);
+          conflict.resolved = TeamConflict::Resolved::order;
+          conflict.checks = levels_.back()->instance().checks.validity;
+        }
         // It plans earlier: the paths of the robots that are still before it remain.
         // With several goals another try has another one, to which those paths do not lead.
         const auto kept = std::max(given, context_.instance.goals.size() > 1 ? 0 : (next - groups_.begin()) / 2);
@@ -421,9 +431,11 @@ class TeamSearch final : public Planner {
       found = of.search.expand();
     }
     count(*of.paths);
+    of.checks += of.paths->checks.validity;
     of.paths->checks = {};
     if (!found && !of.search.exhausted() && of.search.expanded() < most) return std::nullopt;
     const auto ended = std::exchange(timetable_, nullptr);
+    if (pair) note_pair(*ended, found);
     if (found && all) {
       begin_pruning(ended->space.placed(*found), ended->space.axes());
       return std::nullopt;
@@ -436,6 +448,37 @@ class TeamSearch final : public Planner {
       fail();
     }
     return std::nullopt;
+  }
+
+  [[nodiscard]] std::vector<std::size_t> numbers_of(const std::vector<std::size_t>& robots) const {
+    std::vector<std::size_t> numbers;
+    for (const std::size_t i : robots) numbers.push_back(members_[i].number);
+    return numbers;
+  }
+
+  /// Records whether two groups conflict that move along their paths, both in equal shares of theirs, and whether they
+  /// can wait for each other.
+  void note_pair(const Timetable& ended, const std::optional<Configurations>& found) {
+    if (found && found->size() <= Timetable::cells + 1) return;
+    const std::vector<std::size_t>& first = groups_[ended.groups[0]].robots;
+    const std::vector<std::size_t>& second = groups_[ended.groups[1]].robots;
+    TeamConflict& conflict = run_.conflicts.emplace_back();
+    conflict.robots = numbers_of(first);
+    for (const std::size_t number : numbers_of(second)) conflict.robots.push_back(number);
+    std::sort(conflict.robots.begin(), conflict.robots.end());
+    // Of groups of several it is not known which robots touch.
+    if (conflict.robots.size() == 2) conflict.touching = {conflict.robots};
+    if (found) conflict.resolved = TeamConflict::Resolved::schedule;
+    conflict.checks = ended.checks;
+  }
+  /// Notes that groups that were joined have a path.
+  void note_joined(const std::vector<std::size_t>& robots, std::uint64_t checks) {
+    const std::vector<std::size_t> numbers = numbers_of(robots);
+    for (TeamConflict& conflict : run_.conflicts) {
+      if (conflict.robots != numbers || conflict.resolved != TeamConflict::Resolved::none) continue;
+      conflict.resolved = TeamConflict::Resolved::together;
+      conflict.checks += checks;
+    }
   }
 
   void join(std::size_t first, std::size_t second) {

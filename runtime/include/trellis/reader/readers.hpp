@@ -64,6 +64,7 @@ struct SceneFile {
 ///    empty, see resolve_goal.
 ///  - YAML with `world` and `robot_model_name`: a planning scene of MoveIt, with the request beside it, as
 ///    MotionBenchMaker writes them; the robot is `manipulator`.
+///  - YAML with `robots` and `problem`: a scenario of FibrationTrees, of a team of discs.
 ///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
 /// \throws Error with file and line for malformed or missing content
 SceneFile read_scene(const std::string& path, const ReadOptions& options);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,27 @@ struct RunCost {
 
   friend RunCost operator+(const RunCost& a, const RunCost& b) { return {a.checks + b.checks, a.work + b.work}; }
   friend RunCost operator-(const RunCost& a, const RunCost& b) { return {a.checks - b.checks, a.work - b.work}; }
+};
+
+/// A place where paths of robots of a team conflict, found by a guide that divides the team, and what became of it.
+/// Robots have their numbers (TeamMember::number).
+struct TeamConflict {
+  enum class Resolved : std::uint8_t {
+    none,        ///< no path was found that resolves it
+    schedule,    ///< the robots keep their paths, and one waits for the other
+    order,       ///< `prioritise`: a robot found no path among those before it, and plans earlier
+    one_by_one,  ///< the robots leave their paths, each among the paths of those before it
+    together,    ///< the robots are planned together, as one
+  };
+  std::vector<std::vector<std::size_t>> touching;  ///< the pairs of robots that touch
+  std::vector<std::size_t> robots;                 ///< those that leave their paths, or wait
+  /// Seconds on the path of the team, at which it was found; from where to where robots leave their paths. NaN where
+  /// the whole of the paths changes.
+  double at = std::numeric_limits<double>::quiet_NaN();
+  double from = std::numeric_limits<double>::quiet_NaN();
+  double to = std::numeric_limits<double>::quiet_NaN();
+  Resolved resolved = Resolved::none;
+  std::uint64_t checks = 0;  ///< validity checks, from when it was found until it was resolved
 };
 
 /// The constants of bounded loss.
@@ -95,6 +117,7 @@ struct RunTotals {
   std::uint64_t path_checks = 0;    ///< configurations checked for certificates; the sums and times above exclude them
   double path_seconds = 0.0;        ///< CPU time of the thread for certificates; not in the times above
   BoundedLoss bounded;
+  std::vector<TeamConflict> conflicts;  ///< of a team, in the order in which they were found
   /// The root's paths before shortcutting: the first one and each shorter one, without those that could not be
   /// certified.
   std::vector<Improvement> improvements;

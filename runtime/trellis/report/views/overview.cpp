@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -277,6 +279,64 @@ std::string levels_table(bool measured, const Row& row, std::size_t width) {
   return out;
 }
 
+/// "schedule 3, one by one 8": what became of conflicts, in runs together.
+std::string resolved_text(const CouplingSummary& coupling) {
+  std::string text;
+  for (std::size_t i = 0; i < coupling.resolved.size(); ++i) {
+    if (coupling.resolved[i] == 0) continue;
+    std::string name = resolved_names()[i];
+    std::replace(name.begin(), name.end(), '_', ' ');
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, coupling.resolved[i]);
+  }
+  return text;
+}
+
+/// "11/11 [0.74, 1.00]": the seeds that need a coupling, of those that are solved with it.
+std::string needed_text(const CouplingSummary& coupling) {
+  const auto seeds =
+      static_cast<std::size_t>(std::lround(coupling.needed.value * static_cast<double>(coupling.needed.n)));
+  if (coupling.needed.n == 0) return "0/0";
+  return fmt::format("{}/{} [{:.2f}, {:.2f}]", seeds, coupling.needed.n, coupling.needed.lo, coupling.needed.hi);
+}
+
+/// Returns the table of who needs coordination.
+/// \param most  rows; of the robots, and of the pairs, those that seeds need most remain
+std::string couplings_table(const Row& row, std::size_t width, std::size_t most) {
+  std::vector<const CouplingSummary*> rows;
+  for (const CouplingSummary& one : row.of->couplings) rows.push_back(&one);
+  if (rows.empty()) return "";
+  std::stable_sort(rows.begin(), rows.end(), [](const CouplingSummary* a, const CouplingSummary* b) {
+    if (a->robots.size() != b->robots.size()) return a->robots.size() < b->robots.size();
+    if (a->needed.value != b->needed.value) return a->needed.value > b->needed.value;
+    return a->conflicts > b->conflicts;
+  });
+  const std::size_t shown = std::min(most, rows.size());
+  const std::string without = "passing through each other";
+  Table table({text_column("robots"), number_column({"conflicts"}, without), number_column({"solved"}, without),
+               number_column({"needed in [95 %]"}), number_column({"× checks"}), text_column("coordination"),
+               text_column("conflicts resolved")});
+  for (std::size_t i = 0; i < shown; ++i) {
+    const CouplingSummary& one = *rows[i];
+    const auto& solved = one.verdict.costs;
+    std::string name = one.name();
+    if (one.robots.size() == 2) name = fmt::format("{}", fmt::join(one.robots, ", "));
+    table.add({name, one.runs > 0 ? fmt::format("{}/{}", one.conflicts, one.runs) : "-",
+               solved ? fmt::format("{}/{}", solved->reference_solved, solved->pairs) : "-",
+               solved ? needed_text(one) : "-", solved ? ratio_word(one.costs->ratio.value) : "-", coupling_text(one),
+               resolved_text(one)});
+  }
+  std::string out = wrap("Who needs coordination? " + row.equation(), width, "", "  ") + table.text(width);
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t i = shown; i < rows.size(); ++i) ++counts[coupling_text(*rows[i])];
+  for (const auto& [text, count] : counts) {
+    out += wrap(fmt::format("and {} more: {}", plural(count, "pair"), text), width, "  ", "  ");
+  }
+  if (rows.back()->verdict.kind == Verdict::Kind::not_tested) {
+    out += wrap("--ablation allows more work for what was not tested", width, "  ", "  ");
+  }
+  return out;
+}
+
 /// Lists runs without a path, with the reasons, and strategies whose guides perform worse than no guide.
 std::string warnings(const Section& section, std::size_t width) {
   std::string out;
@@ -425,6 +485,8 @@ std::string levels_report_text(const ExperimentSummary& experiment, std::size_t 
       out += '\n' + (verdict.empty() ? wrap(row.equation(), width, "", "  ") : verdict);
       out += wrap(fmt::format("solved {}/{} runs · {}", runs.solved, runs.runs, row.strategy->shares), width, "", "  ");
       out += search_table(runs, width) + resolves_lines(row, width) + rejections_text(row, width);
+      const std::string couplings = couplings_table(row, width, std::numeric_limits<std::size_t>::max());
+      if (!couplings.empty()) out += '\n' + couplings;
     }
     out += warnings(section, width);
   }
@@ -442,6 +504,10 @@ std::string overview_text(const ExperimentSummary& experiment, std::size_t width
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
     out += certificates_text(section, width) + undrawn_text(section, width);
     out += warnings(section, width);
+    for (const Row& row : section.rows) {
+      constexpr std::size_t most_couplings = 16;
+      if (const std::string table = couplings_table(row, width, most_couplings); !table.empty()) out += '\n' + table;
+    }
     if (tables > most_level_tables) continue;
     for (const Row& row : section.rows) {
       if (const std::string table = levels_table(experiment.measured, row, width); !table.empty()) {

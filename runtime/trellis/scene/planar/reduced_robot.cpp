@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace trellis {
@@ -107,9 +108,27 @@ std::optional<Robot> reduced_robot(const Robot& robot, const std::vector<std::si
                       0, member.number});
     }
     if (left.empty()) return std::nullopt;
-    return Robot::team_of(std::move(left));
+    return uncoupled_as(robot, Robot::team_of(std::move(left)));
   }
   return Reduction(robot, axes).robot();
+}
+
+Robot uncoupled_as(const Robot& whole, const Robot& team) {
+  std::set<std::pair<std::size_t, std::size_t>> coupled;
+  for (const auto& [first, second] : whole.pairs()) {
+    const std::size_t one = whole.members()[whole.member_of(first)].number;
+    const std::size_t other = whole.members()[whole.member_of(second)].number;
+    if (one != other) coupled.emplace(one, other);
+  }
+  const std::size_t all = whole.members().size();
+  if (team.members().empty() || coupled.size() >= all * (all - 1) / 2) return team;
+  std::vector<std::pair<std::size_t, std::size_t>> kept;
+  for (const auto& [first, second] : team.pairs()) {
+    const std::size_t one = team.members()[team.member_of(first)].number;
+    const std::size_t other = team.members()[team.member_of(second)].number;
+    if (one == other || coupled.contains({one, other})) kept.emplace_back(first, second);
+  }
+  return team.apart(std::move(kept));
 }
 
 }  // namespace trellis

@@ -15,4 +15,8 @@ namespace trellis {
 /// \param axes  ascending; indices beyond the robot's own axes are ignored
 std::optional<Robot> reduced_robot(const Robot& robot, const std::vector<std::size_t>& axes);
 
+/// Returns a team in which members pass through each other that do so in another one.
+/// \param whole  has members with the numbers of `team`
+Robot uncoupled_as(const Robot& whole, const Robot& team);
+
 }  // namespace trellis

@@ -15,6 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/scene/limits.hpp>
 #include <trellis/scene/planar/polygon.hpp>
+#include <trellis/scene/planar/reduced_robot.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
 
 namespace trellis {
@@ -362,7 +363,7 @@ Robot Robot::shrunken(double factor) const {
   if (members_.empty()) return translates_ ? scaled(factor) : thinned(factor);
   std::vector<Member> smaller = members_;
   for (Member& member : smaller) member.robot = std::make_shared<const Robot>(member.robot->shrunken(factor));
-  return team_of(std::move(smaller));
+  return uncoupled_as(*this, team_of(std::move(smaller)));
 }
 
 Robot Robot::apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const {

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/uncoupled.hpp>
+
+#include <algorithm>
+#include <optional>
+
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
+
+namespace trellis {
+
+namespace {
+
+bool has_pair(const std::vector<RobotPair>& pairs, std::size_t a, std::size_t b) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const RobotPair& pair) {
+    return pair == RobotPair{a, b} || pair == RobotPair{b, a};
+  });
+}
+
+Robot uncoupled(const Robot& robot, const std::vector<RobotPair>& pairs) {
+  std::vector<std::pair<std::size_t, std::size_t>> kept;
+  for (const auto& [first, second] : robot.pairs()) {
+    const Robot::Member& one = robot.members()[robot.member_of(first)];
+    const Robot::Member& other = robot.members()[robot.member_of(second)];
+    if (!has_pair(pairs, one.number, other.number)) kept.emplace_back(first, second);
+  }
+  return robot.apart(std::move(kept));
+}
+
+SphereModel uncoupled(const SphereModel& model, const std::vector<RobotPair>& pairs) {
+  const Manipulator& robot = model.robot();
+  const std::vector<TeamMember> members = model.members();
+  // The member that moves a body; none moves the base.
+  const auto mover = [&](std::size_t body) -> std::optional<std::size_t> {
+    if (body == 0) return std::nullopt;
+    for (const TeamMember& member : members) {
+      if (std::binary_search(member.axes.begin(), member.axes.end(), robot.bodies()[body].column)) return member.number;
+    }
+    return std::nullopt;
+  };
+  SphereModel::Pairs touching;
+  for (std::size_t a = 0; a < robot.bodies().size(); ++a) {
+    for (std::size_t b = a + 1; b < robot.bodies().size(); ++b) {
+      const bool checked =
+          std::find(model.pairs().begin(), model.pairs().end(), std::pair(a, b)) != model.pairs().end();
+      const auto one = mover(a), other = mover(b);
+      if (!checked || (one && other && has_pair(pairs, *one, *other))) touching.emplace_back(a, b);
+    }
+  }
+  return SphereModel(robot, links_of(robot, touching)).based_at(model.base()).with_states(model.states());
+}
+
+}  // namespace
+
+std::shared_ptr<const Scene> uncoupled(const Scene& scene, const std::vector<RobotPair>& pairs) {
+  if (const PlanarScene* planar = scene.planar()) {
+    if (planar->robot.members().empty()) return nullptr;
+    return std::make_shared<PlanarScene>(planar->world, uncoupled(planar->robot, pairs));
+  }
+  if (const ManipulatorScene* manipulator = scene.manipulator()) {
+    return std::make_shared<ManipulatorScene>(manipulator->world, uncoupled(manipulator->robot, pairs));
+  }
+  return nullptr;
+}
+
+}  // namespace trellis
