@@ -25,6 +25,7 @@
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/instance/resolve_goal.hpp>
 #include <trellis/reader/readers.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace trellis::dsl {
@@ -140,11 +141,16 @@ void normalise_quaternions(MutableView q, const std::string& what, const Space& 
     length = std::sqrt(length);
     constexpr double rounding = 1e-3;
     if (!(std::abs(length - 1.0) <= rounding)) {
+      const bool alone = factor.column == 3 && space.factors().size() == 4;
       throw Error(
-          fmt::format("problem: {}: its last 4 coordinates are the quaternion x, y, z, w of the body's "
-                      "orientation, of norm 1; this one has norm {:g}. A pose is easier to write: "
-                      "pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
-                      what, length, fmt::join(q.first(factor.column), ", ")));
+          fmt::format("problem: {}: its {} are the quaternion x, y, z, w of {}, of norm 1; this one has norm {:g}. A "
+                      "pose is easier "
+                      "to write: pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
+                      what,
+                      alone ? "last 4 coordinates"
+                            : fmt::format("coordinates {} to {}", factor.column + 1, factor.column + factor.width()),
+                      alone ? "the body's orientation" : "an orientation", length,
+                      fmt::join(factor.column >= 3 ? q.subspan(factor.column - 3, 3) : q.first(factor.column), ", ")));
     }
   }
   space.normalise(q);
@@ -172,6 +178,7 @@ bool is_of_members(Value value, const std::vector<TeamMember>& members) {
   bool fits = true;
   value.each([&](std::size_t, Value element) {
     ++elements;
+    if (element.get<Pose3>() != nullptr) return;
     if (element.type() != lua::Type::table) {
       fits = false;
       return;
@@ -194,7 +201,12 @@ Configuration read_configuration(Value value, const std::string& what, const Pro
     value.each([&](std::size_t i, Value element) {
       if (++count > members.size()) return;
       const std::vector<std::size_t>& axes = members[i - 1].axes;
-      const Configuration own = read_numbers(element, fmt::format("problem: robot {} of {}", i, what));
+      const auto* pose = element.get<Pose3>();
+      const std::string of_robot = fmt::format("problem: robot {} of {}", i, what);
+      const Configuration own =
+          pose != nullptr
+              ? configuration_of(*pose, of_robot, *problem.scene, space.part(axes, fmt::format("robot {}", i)))
+              : read_numbers(element, of_robot);
       if (own.size() != axes.size()) {
         throw Error(fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, axes.size(), own.size()));
       }
@@ -204,6 +216,7 @@ Configuration read_configuration(Value value, const std::string& what, const Pro
       throw Error(fmt::format("problem: {} must have a configuration for each of {} robots, got {}", what,
                               members.size(), count));
     }
+    if (!space.flat()) normalise_quaternions(q, what, space);
     return q;
   }
   if (const auto name = value.string(); name && problem.scene->manipulator() != nullptr) {
@@ -295,7 +308,11 @@ void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& fault
   faults.attempt([&] { settings = problem_settings().read(arguments.options()); });
   if (!faults.none() && (!world || !robot)) return;
   if (!faults.attempt([&] { problem.scene = make_scene(*world, *robot); })) return;
-  problem.space = problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
+  const SpatialScene* bodies = problem.scene->spatial();
+  problem.space =
+      bodies != nullptr && !bodies->robot.members().empty() && !arguments["weight"].given()
+          ? bodies->own_space()
+          : problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
   if (motion != nullptr) {
     problem.motion_model = *motion;
     problem.space = state_space(problem.space, **motion);
