@@ -11,7 +11,7 @@
 using namespace trellis;
 
 TEST_CASE("bad input gives one clear message with the script's line") {
-  test::check_cases("bad_input", 159, [](const test::Case& one) -> std::string {
+  test::check_cases("bad_input", 169, [](const test::Case& one) -> std::string {
     // Enough for the deepest recursion; the script that allocates all memory must not get a gigabyte in a test.
     dsl::Session session("bad_input", {.memory = std::size_t{256} << 20U});
     try {

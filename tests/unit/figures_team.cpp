@@ -177,6 +177,55 @@ TEST_CASE("a coordination diagram shows where two robots touch on their paths", 
   CHECK_FALSE(schedule_figure(test::cup_problem(), Configurations(3)));
 }
 
+TEST_CASE("each body of a team in space has a trace, moves on the page, in glTF and in pictures", "[report][team]") {
+  Problem problem;
+  problem.name = "two";
+  const Robot3 bar("bar", {{Cuboid{{1.0, 0.3, 0.3}}, {}}});
+  problem.scene = std::make_shared<const SpatialScene>(
+      World3({{0, 0, 0}, {4, 4, 4}}, {{"post", {Cylinder{0.2, 4.0}, {{2, 2, 2}, {}}}}}),
+      Robot3::team({bar, bar, Robot3("ball", {{Sphere{0.3}, {}}}, false)}));
+  problem.space = spatial(*problem.scene).own_space();
+  problem.start = {1, 1, 1, 0, 0, 0, 1, 3, 3, 3, 0, 0, 0, 1, 1, 3, 1};
+  problem.goals = {{3, 3, 1, 0, 0, 0, 1, 1, 1, 3, 0, 0, 0, 1, 3, 1, 1}};
+  problem.collision = "fcl";
+  Experiment experiment;
+  experiment.problems = {problem};
+  experiment.strategies = {
+      {"one by one", GuideSpec::make("prioritise", {}) >> PlannerSpec::make("rrt_connect", {{"bound", 0.0}})},
+      {"windows", GuideSpec::make("couple", {}) >> PlannerSpec::make("rrt_connect", {{"bound", 0.0}})}};
+  experiment.seeds = {1};
+  experiment.measure.reset();
+  const ExperimentResult result = run(experiment);
+  REQUIRE(result.runs.size() == 2);
+  const auto traces = traces_of(problem);
+  REQUIRE(traces.size() == 3);
+  CHECK(traces[2].axes == std::vector<std::size_t>{14, 15, 16});
+  for (const RunResult& one : result.runs) {
+    REQUIRE(one.run.solved);
+    for (std::size_t level = 1; level < one.levels.size(); ++level) {
+      const LevelRecord& record = one.levels[level].record;
+      const auto own = traces_of(one.levels, level);
+      REQUIRE(has_positions(record) == !own.empty());
+      if (own.empty()) continue;
+      // Pictures and the viewer's record have the same positions, whatever coordinates come before those of the robots.
+      const View q = record.search.nodes[0];
+      const auto positions = positions_in(record, q);
+      REQUIRE(positions.size() == own.size());
+      for (std::size_t i = 0; i < own.size(); ++i) CHECK(positions[i].x == q[own[i].axes[0]]);
+    }
+    const std::string text = gltf(problem, one, GltfForm::text);
+    for (const char* name : {"robot 1", "robot 2", "robot 3"}) CHECK(text.find(name) != std::string::npos);
+  }
+  const std::string page = fixture::report_html(experiment, result, "", {});
+  CHECK(page.find("\"columns\":[[0,true],[7,true],[14,false]]") != std::string::npos);
+  const Folder folder;
+  CHECK(write_scene_figures(experiment, result, folder.path().string()).empty());
+  write_motion_figures(experiment, result, folder.path().string());
+  int pictures = 0;
+  for (const std::string& file : folder.files()) pictures += file.ends_with("motion.svg") ? 1 : 0;
+  CHECK(pictures == 2);
+}
+
 TEST_CASE("64 robots have 24 colours, and neighbours differ", "[report][team]") {
   for (std::size_t i = 0; i + 1 < 64; ++i) CHECK_FALSE(draw::palette::robot(i) == draw::palette::robot(i + 1));
   for (std::size_t i = 0; i < 24; ++i) {

@@ -123,7 +123,9 @@ class Viewpoint {
     }
     if (record.scene->is_point() || record.space.dimension() < record.scene->robot_dimension()) return;
     for (const Configuration& q : {record.start, record.goal}) {
-      for (const draw::Surface& part : placed(*record.scene, q)) add(part, sketch.ends);
+      for (const draw::Surface& part : placed(*record.scene, own_coordinates(record, q))) {
+        add(part, sketch.ends);
+      };
     }
   }
 

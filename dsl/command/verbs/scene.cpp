@@ -99,6 +99,12 @@ std::optional<std::pair<std::string, double>> nearest_obstacle(const PlanarScene
 std::optional<std::pair<std::string, double>> nearest_obstacle(const SpatialScene& scene, View q, const Space& space,
                                                                double resolution) {
   std::optional<std::pair<std::string, double>> nearest;
+  if (!scene.robot.members().empty()) {
+    // The clearance of a team is also that of its robots from each other.
+    const auto checker = make_checker("fcl_plain", std::make_shared<const SpatialScene>(scene), space, resolution);
+    const auto found = checker->nearest_obstacle(q);
+    return found ? std::optional(std::pair(scene.obstacle_name(found->obstacle), found->distance)) : std::nullopt;
+  }
   for (const Obstacle3& obstacle : scene.world.obstacles()) {
     const World3 alone(scene.world.bounds(), {obstacle}, Contain::none, scene.world.surface());
     const auto checker =

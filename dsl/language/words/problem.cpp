@@ -24,7 +24,9 @@
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/instance/resolve_goal.hpp>
+#include <trellis/motion/team_model.hpp>
 #include <trellis/reader/readers.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace trellis::dsl {
@@ -140,11 +142,16 @@ void normalise_quaternions(MutableView q, const std::string& what, const Space& 
     length = std::sqrt(length);
     constexpr double rounding = 1e-3;
     if (!(std::abs(length - 1.0) <= rounding)) {
+      const bool alone = factor.column == 3 && space.factors().size() == 4;
       throw Error(
-          fmt::format("problem: {}: its last 4 coordinates are the quaternion x, y, z, w of the body's "
-                      "orientation, of norm 1; this one has norm {:g}. A pose is easier to write: "
-                      "pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
-                      what, length, fmt::join(q.first(factor.column), ", ")));
+          fmt::format("problem: {}: its {} are the quaternion x, y, z, w of {}, of norm 1; this one has norm {:g}. A "
+                      "pose is easier "
+                      "to write: pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
+                      what,
+                      alone ? "last 4 coordinates"
+                            : fmt::format("coordinates {} to {}", factor.column + 1, factor.column + factor.width()),
+                      alone ? "the body's orientation" : "an orientation", length,
+                      fmt::join(factor.column >= 3 ? q.subspan(factor.column - 3, 3) : q.first(factor.column), ", ")));
     }
   }
   space.normalise(q);
@@ -163,15 +170,27 @@ Configuration state_named(const std::string& name, const std::string& what, cons
                                         : fmt::format("there are: {}", fmt::join(known, ", "))));
 }
 
+/// Of each robot of a team the coordinates of a configuration, with those of its velocities.
+std::vector<std::vector<std::size_t>> columns_of(const Problem& problem) {
+  std::vector<std::vector<std::size_t>> columns;
+  if (const TeamModel* team = problem.motion_model ? team_model(*problem.motion_model) : nullptr) {
+    for (const TeamModel::Part& part : team->parts()) columns.push_back(part.columns);
+    return columns;
+  }
+  for (const TeamMember& member : problem.scene->members()) columns.push_back(member.axes);
+  return columns;
+}
+
 /// Whether a value lists configurations of the robots of a team, and not of the team: each is shorter.
-bool is_of_members(Value value, const std::vector<TeamMember>& members) {
+bool is_of_members(Value value, const std::vector<std::vector<std::size_t>>& members) {
   if (members.size() < 2 || value.type() != lua::Type::table) return false;
   std::size_t whole = 0;
-  for (const TeamMember& member : members) whole += member.axes.size();
+  for (const auto& columns : members) whole += columns.size();
   std::size_t elements = 0;
   bool fits = true;
   value.each([&](std::size_t, Value element) {
     ++elements;
+    if (element.get<Pose3>() != nullptr) return;
     if (element.type() != lua::Type::table) {
       fits = false;
       return;
@@ -188,13 +207,17 @@ bool is_of_members(Value value, const std::vector<TeamMember>& members) {
 
 Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
   const Space& space = problem.space;
-  if (const std::vector<TeamMember> members = problem.scene->members(); is_of_members(value, members)) {
+  if (const auto members = columns_of(problem); is_of_members(value, members)) {
     Configuration q(space.dimension());
     std::size_t count = 0;
     value.each([&](std::size_t i, Value element) {
       if (++count > members.size()) return;
-      const std::vector<std::size_t>& axes = members[i - 1].axes;
-      const Configuration own = read_numbers(element, fmt::format("problem: robot {} of {}", i, what));
+      const std::vector<std::size_t>& axes = members[i - 1];
+      const auto* pose = element.get<Pose3>();
+      const std::string of_robot = fmt::format("problem: robot {} of {}", i, what);
+      const Configuration own = pose != nullptr ? configuration_of(*pose, of_robot, *problem.scene,
+                                                                   space.part(axes, fmt::format("robot {}", i)))
+                                                : read_numbers(element, of_robot);
       if (own.size() != axes.size()) {
         throw Error(fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, axes.size(), own.size()));
       }
@@ -204,6 +227,7 @@ Configuration read_configuration(Value value, const std::string& what, const Pro
       throw Error(fmt::format("problem: {} must have a configuration for each of {} robots, got {}", what,
                               members.size(), count));
     }
+    if (!space.flat()) normalise_quaternions(q, what, space);
     return q;
   }
   if (const auto name = value.string(); name && problem.scene->manipulator() != nullptr) {
@@ -266,7 +290,7 @@ void read_goals(Value value, Problem& problem) {
     return;
   }
   bool several = false;
-  if (value.type() == lua::Type::table && !is_of_members(value, problem.scene->members())) {
+  if (value.type() == lua::Type::table && !is_of_members(value, columns_of(problem))) {
     value.each([&](std::size_t i, Value element) {
       const bool whole = element.type() == lua::Type::table || element.get<Pose3>() != nullptr || element.string();
       several = several || (i == 1 && whole);
@@ -281,12 +305,49 @@ void read_goals(Value value, Problem& problem) {
   });
 }
 
+/// The motion models that a field lists, or the one that it is; none where it is neither.
+std::vector<Motion> motions_in(Value value) {
+  std::vector<Motion> all;
+  if (const auto* one = value.get<Motion>()) return {*one};
+  if (value.type() != lua::Type::table) return all;
+  bool fits = true;
+  value.each([&](std::size_t, Value element) {
+    const auto* one = element.get<Motion>();
+    fits = fits && one != nullptr && team_model(**one) == nullptr;
+    if (fits) all.push_back(*one);
+  });
+  return fits ? all : std::vector<Motion>();
+}
+
+/// The motion model of a robot; of a team that of all robots, each driven by its own.
+/// \param given  at least one; one alone drives each robot of a team
+Motion motion_of(std::vector<Motion> given, const Scene& scene) {
+  const std::vector<TeamMember> members = scene.members();
+  if (members.size() < 2 || scene.manipulator() != nullptr) {
+    if (given.size() == 1) return given.front();
+    throw Error(fmt::format("problem: field 'motion' lists {} motion models, and '{}' is one robot: give one",
+                            given.size(), scene.robot_name()));
+  }
+  if (given.size() == 1 && team_model(*given.front()) != nullptr) return given.front();
+  if (given.size() == 1) given.resize(members.size(), Motion(given.front()));
+  if (given.size() != members.size()) {
+    throw Error(
+        fmt::format("problem: field 'motion' lists {} motion models for {} robots; give one for each, or one "
+                    "for all",
+                    given.size(), members.size()));
+  }
+  std::vector<std::vector<std::size_t>> axes;
+  axes.reserve(members.size());
+  for (const TeamMember& member : members) axes.push_back(member.axes);
+  return std::make_shared<const TeamModel>(given, axes);
+}
+
 /// Reads the world, the robot and the motion model, which say what the coordinates are.
 void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& faults) {
   const auto world = world_in(arguments["world"]);
   const auto robot = robot_in(arguments["robot"]);
-  const auto* motion = arguments["motion"].get<Motion>();
-  for (const auto& [name, missing] : {std::pair{"world", !world}, {"robot", !robot}, {"motion", motion == nullptr}}) {
+  const std::vector<Motion> motion = motions_in(arguments["motion"]);
+  for (const auto& [name, missing] : {std::pair{"world", !world}, {"robot", !robot}, {"motion", motion.empty()}}) {
     if (missing && arguments[name].given()) {
       faults.attempt([&, name = name] { arguments.reject(name); });
     }
@@ -295,13 +356,20 @@ void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& fault
   faults.attempt([&] { settings = problem_settings().read(arguments.options()); });
   if (!faults.none() && (!world || !robot)) return;
   if (!faults.attempt([&] { problem.scene = make_scene(*world, *robot); })) return;
-  problem.space = problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
-  if (motion != nullptr) {
-    problem.motion_model = *motion;
-    problem.space = state_space(problem.space, **motion);
+  const SpatialScene* bodies = problem.scene->spatial();
+  problem.space =
+      bodies != nullptr && !bodies->robot.members().empty() && !arguments["weight"].given()
+          ? bodies->own_space()
+          : problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
+  if (!motion.empty()) {
+    const bool driven = faults.attempt([&] {
+      problem.motion_model = motion_of(motion, *problem.scene);
+      problem.space = state_space(problem.space, *problem.motion_model);
+    });
+    if (!driven) problem.motion_model = nullptr;
   }
-  problem.goal_tolerance = motion != nullptr && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance
-                                                                                     : settings.goal_tolerance;
+  problem.goal_tolerance =
+      !motion.empty() && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance : settings.goal_tolerance;
   problem.resolution = settings.resolution;
   problem.contact_tolerance = settings.contact_tolerance;
   faults.attempt([&] { problem.collision = backend_of(*problem.scene, settings.collision); });
@@ -471,8 +539,10 @@ const Construct& problem_construct() {
             "the goal configuration, in metres and radians, or several of which any will do; of a manipulator also the "
             "pose of a link",
             true},
-           {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
-            "how the robot is driven; without one it moves straight to any configuration"}},
+           {"motion", "trellis.Motion|trellis.Motion[]",
+            "a motion model, as motion.unicycle1 {}, or of a team a list with one for each robot",
+            "how the robot is driven; without one it moves straight to any configuration. It drives each robot of a "
+            "team, or a list has one for each"}},
       .options = problem_settings().component(),
       .returns = "trellis.Problem"};
   return construct;

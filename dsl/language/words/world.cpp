@@ -226,8 +226,9 @@ const Construct& team_construct() {
       .name = "robots",
       .usage = "robots { robot.disc(0.3), robot.rectangle(1, 0.2) }",
       .summary =
-          "a team: robots in one world that must not touch each other. A configuration holds theirs one after the "
-          "other, and may be written as a list with one configuration for each robot",
+          "a team: robots in one world that must not touch each other, all of the plane, all bodies that move freely "
+          "in space, or all of URDF files. A configuration holds theirs one after the other, and may be written as a "
+          "list with one configuration, or pose, for each robot",
       .list = "its robots, in order; a team among them joins with all of its robots",
       .element = "trellis.Robot|trellis.Manipulator",
       .fields = {},
@@ -455,32 +456,36 @@ int make_team(Stack& call) {
   const Arguments arguments(team_construct(), call);
   const auto count = static_cast<std::size_t>(team_settings().read(arguments.options()).count);
   std::vector<Robot> robots;
+  std::vector<Robot3> bodies;
   std::vector<SphereModel> manipulators;
+  const char* before = nullptr;
   arguments.each([&](std::size_t i, Value value) {
-    const std::size_t before = robots.size() + manipulators.size();
-    if (before + count > 2 * Robot::most_members) {
+    if (robots.size() + bodies.size() + manipulators.size() + count > 2 * Robot::most_members) {
       throw Error(fmt::format("robots: at most {} robots in a team", Robot::most_members));
     }
+    const char* kind = nullptr;
     if (const auto* robot = value.get<Robot>()) {
       robots.insert(robots.end(), count, *robot);
+      kind = "a robot of the plane";
+    } else if (const auto* body = value.get<Robot3>()) {
+      bodies.insert(bodies.end(), count, *body);
+      kind = "a body of space";
     } else if (const auto* manipulator = value.get<SphereModel>()) {
       manipulators.insert(manipulators.end(), count, *manipulator);
-    } else if (value.get<Robot3>() != nullptr) {
-      throw Error(fmt::format(
-          "robots: element {} is a body that moves freely in space; a team has robots of the plane, or robots of URDF "
-          "files, in which a body may have a floating joint",
-          i));
+      kind = "a robot of a URDF file";
     } else {
       throw Error(fmt::format("robots: element {} must be a robot, as robot.disc(0.3), got {}", i, describe(value)));
     }
-    if (!robots.empty() && !manipulators.empty()) {
+    if (before == nullptr) before = kind;
+    if ((robots.empty() ? 0 : 1) + (bodies.empty() ? 0 : 1) + (manipulators.empty() ? 0 : 1) > 1) {
       throw Error(
-          fmt::format("robots: element {} is {}, and those before it are {}; a team is of the plane or of space", i,
-                      manipulators.size() > count ? "of the plane" : "of space",
-                      manipulators.size() > count ? "of space" : "of the plane"));
+          fmt::format("robots: element {} is {}, and element 1 is {}; the robots of a team are all of the plane, all "
+                      "bodies of space, or all of URDF files",
+                      i, kind, before));
     }
   });
   if (!manipulators.empty()) return call.result(SphereModel::team(manipulators));
+  if (!bodies.empty()) return call.result(Robot3::team(bodies));
   return call.result(Robot::team(robots));
 }
 

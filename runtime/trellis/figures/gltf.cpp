@@ -224,6 +224,19 @@ class SceneDocument {
       return;
     }
     const Robot3& robot = spatial(*record.scene).robot;
+    if (!robot.members().empty()) {
+      const std::vector<double> at = lengths(record.space, path);
+      for (const Robot3::Member& member : robot.members()) {
+        const std::string body = fmt::format("{}, robot {}", name, member.number);
+        std::vector<Pose3> places;
+        places.reserve(path.size());
+        for (std::size_t i = 0; i < path.size(); ++i) {
+          places.push_back(member.robot->pose(member.own(own_coordinates(record, path[i]))));
+        }
+        animate(body, add_body(node, body, *member.robot, places.front(), colour), places, at, member.robot->rotates());
+      }
+      return;
+    }
     const bool moves = !robot.is_point() && record.space.dimension() >= robot.dimension();
     Json first = {{"name", name + ", robot"},
                   {"mesh", moves ? robot_mesh(robot, name, colour) : mark_mesh(name, material)},
@@ -304,6 +317,14 @@ class SceneDocument {
       return;
     }
     const Robot3& robot = spatial(*problem_.scene).robot;
+    if (!robot.members().empty()) {
+      const std::size_t node = document_.add_child(document_.root(), {{"name", name}});
+      for (const Robot3::Member& member : robot.members()) {
+        add_body(node, fmt::format("{}, robot {}", name, member.number), *member.robot,
+                 member.robot->pose(member.own(q)), colour);
+      }
+      return;
+    }
     const Pose3 pose = robot.pose(q);
     const std::size_t mesh = robot.is_point() ? mark_mesh(name, document_.add_material(name, colour, false))
                                               : robot_mesh(robot, name, colour);
@@ -311,6 +332,15 @@ class SceneDocument {
                                            {"mesh", mesh},
                                            {"translation", vector_json(pose.position)},
                                            {"rotation", vector_json(normalised(pose.orientation))}});
+  }
+
+  /// Adds a body of a team at a pose.
+  std::size_t add_body(std::size_t node, const std::string& name, const Robot3& robot, const Pose3& pose,
+                       const draw::Colour& colour) {
+    return document_.add_child(node, {{"name", name},
+                                      {"mesh", robot_mesh(robot, name, colour)},
+                                      {"translation", vector_json(pose.position)},
+                                      {"rotation", vector_json(normalised(pose.orientation))}});
   }
 
   /// A path with so many more points that straight motions of the bodies between them deviate little.

@@ -150,11 +150,27 @@ Json surfaces_json(const std::vector<draw::Surface>& surfaces) {
 Json robot_json(const Robot3& robot) {
   constexpr std::size_t most_triangles = 3000;
   std::vector<draw::Surface> surfaces;
-  if (!robot.is_point()) surfaces = placed(robot, Configuration{0, 0, 0, 0, 0, 0, 1}, most_triangles);
-  return {{"dimension", robot.dimension()},
-          {"rotates", robot.rotates()},
-          {"radius", rounded(robot.bounding_radius())},
-          {"surfaces", surfaces_json(surfaces)}};
+  const auto add = [&](const Robot3& one) {
+    if (one.is_point()) return;
+    for (draw::Surface& surface : placed(one, Configuration{0, 0, 0, 0, 0, 0, 1}, most_triangles)) {
+      surfaces.push_back(std::move(surface));
+    }
+  };
+  Json out = {
+      {"dimension", robot.dimension()}, {"rotates", robot.rotates()}, {"radius", rounded(robot.bounding_radius())}};
+  if (robot.members().empty()) {
+    add(robot);
+  } else {
+    // Of each surface, which coordinates move it, and whether they turn it.
+    Json columns = Json::array();
+    for (const Robot3::Member& member : robot.members()) {
+      add(*member.robot);
+      while (columns.size() < surfaces.size()) columns.push_back({member.column, member.robot->rotates()});
+    }
+    out["columns"] = std::move(columns);
+  }
+  out["surfaces"] = surfaces_json(surfaces);
+  return out;
 }
 
 /// A robot of links and joints: the page computes the poses of its bodies.

@@ -354,7 +354,9 @@ class SpatialMotions {
     const bool same_space = record.space == problem_.space;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       draw::Surface pose;
-      for (const draw::Surface& part : placed(*record.scene, poses[i], triangles_of_pose)) append(pose, part);
+      for (const draw::Surface& part : placed(*record.scene, own_coordinates(record, poses[i]), triangles_of_pose)) {
+        append(pose, part);
+      }
       if (i == 0) {
         panel.start = {pose};
       } else if (i + 1 == poses.size() && record.solution.solved()) {

@@ -212,8 +212,12 @@ WorldSurfaces surfaces_of(const World3& world, std::size_t most) {
 std::vector<Surface> placed(const Robot3& robot, View q, std::size_t most) {
   constexpr double finest = 1.0 / 64.0;  // of the robot's radius
   constexpr double growth = 1.3;
-  const Pose3 pose = robot.pose(q);
   std::vector<Surface> out;
+  for (const Robot3::Member& member : robot.members()) {
+    for (Surface& surface : placed(*member.robot, member.own(q), most)) out.push_back(std::move(surface));
+  }
+  if (!out.empty()) return out;
+  const Pose3 pose = robot.pose(q);
   for (const Solid& solid : robot.solids()) {
     const Surface whole = surface_of(solid);
     Surface surface = whole;
@@ -258,25 +262,45 @@ std::vector<Surface> placed(const Scene& scene, View q, std::size_t most) {
   return placed(spatial(scene).robot, q, most);
 }
 
-/// The position of the reference point, or of the tip.
+/// The position of the reference point, or of the tip; of a team of bodies that of the first one.
 Point3 position_of(const Scene& scene, View q) {
   if (const ManipulatorScene* manipulator = scene.manipulator()) return drawn(manipulator->robot.tip_at(q));
-  return drawn(spatial(scene).robot.pose(q).position);
+  const Robot3& robot = spatial(scene).robot;
+  if (robot.members().empty()) return drawn(robot.pose(q).position);
+  const Robot3::Member& first = robot.members().front();
+  return drawn(first.robot->pose(first.own(q)).position);
+}
+
+View own_coordinates(const LevelRecord& record, View q) {
+  const std::vector<Axis> axes = record.space.coordinates();
+  const auto own =
+      std::find_if(axes.begin(), axes.end(), [](const Axis& axis) { return !axis.name.starts_with("along"); });
+  const auto first = static_cast<std::size_t>(own - axes.begin());
+  return axes.size() - first >= record.scene->robot_dimension() ? q.subspan(first) : q;
 }
 
 bool has_positions(const LevelRecord& record) {
   if (record.scene == nullptr || spatial_world(*record.scene) == nullptr) return false;
   if (record.position_axes.size() == 3) return true;
-  return record.scene->manipulator() != nullptr && record.space.dimension() >= record.scene->robot_dimension();
+  const bool whole = record.space.dimension() >= record.scene->robot_dimension();
+  return whole && (record.scene->manipulator() != nullptr || record.scene->members().size() > 1);
 }
 
 Point3 position_in(const LevelRecord& record, View q) {
-  if (record.position_axes.size() != 3) return position_of(*record.scene, q);
+  if (record.position_axes.size() != 3) return position_of(*record.scene, own_coordinates(record, q));
   return {q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
 }
 
 std::vector<Point3> positions_in(const LevelRecord& record, View q) {
-  if (record.position_axes.size() == 3 || record.scene->manipulator() == nullptr) return {position_in(record, q)};
+  if (record.position_axes.size() == 3) return {position_in(record, q)};
+  q = own_coordinates(record, q);
+  if (const SpatialScene* scene = record.scene->spatial()) {
+    std::vector<Point3> positions;
+    for (const Robot3::Member& member : scene->robot.members()) {
+      positions.push_back(drawn(member.robot->pose(member.own(q)).position));
+    }
+    return positions;
+  }
   const SphereModel& robot = record.scene->manipulator()->robot;
   std::vector<Point3> tips;
   for (const PointOnBody& tip : robot.tips()) tips.push_back(drawn(robot.position(tip, q)));

@@ -19,7 +19,7 @@ draw::Point3 drawn(const Vec3& p);
 /// \param sides  of a turn, a multiple of 4
 draw::Surface surface_of(const Solid& solid, unsigned sides = 24);
 
-/// Returns the surface of the robot about its reference point; without triangles for a point.
+/// Returns the surface of a robot alone about its reference point; without triangles for a point.
 draw::Surface surface_of(const Robot3& robot);
 
 /// Returns the surface at a pose.
@@ -51,12 +51,14 @@ std::vector<draw::Surface> placed(const SphereModel& model, View q);
 /// The same for the robot of any scene in space.
 std::vector<draw::Surface> placed(const Scene& scene, View q, std::size_t most = 600);
 
-/// Whether the configurations of a level have positions in space: of the reference point, or of the tip of a robot of
+/// Returns the coordinates of a level's robot: how far other robots of a team are along their paths comes before them.
+View own_coordinates(const LevelRecord& record, View q);
+/// Whether the configurations of a level have positions in space: of reference points, or of the tip of a robot of
 /// links and joints.
 bool has_positions(const LevelRecord& record);
 /// Returns the position of a configuration of such a level.
 draw::Point3 position_in(const LevelRecord& record, View q);
-/// The same of each robot of a team of robots of links and joints; of others the one position.
+/// The same of each robot of a team; of a robot alone the one position.
 std::vector<draw::Point3> positions_in(const LevelRecord& record, View q);
 
 /// Returns what all pictures of a problem in space share: the world, and the robot at start and goals where it has

@@ -30,10 +30,12 @@ std::optional<std::size_t> robot_of(const std::string& axis, const LevelRecord& 
 std::vector<Trace> traces_in(const Scene& scene, const std::vector<std::size_t>& position, std::size_t first) {
   const std::vector<TeamMember> members = scene.members();
   std::vector<Trace> traces;
-  if (members.size() > 1 && scene.planar() != nullptr) {
+  if (members.size() > 1 && scene.manipulator() == nullptr) {
     for (std::size_t i = 0; i < members.size(); ++i) {
-      const std::size_t axis = first + members[i].axes.front();
-      if (members[i].translates) traces.push_back({i, {axis, axis + 1}, {}});
+      if (!members[i].translates) continue;
+      std::vector<std::size_t> axes(scene.world_dimension());
+      std::iota(axes.begin(), axes.end(), first + members[i].axes.front());
+      traces.push_back({i, std::move(axes), {}});
     }
   } else if (const ManipulatorScene* manipulator = scene.manipulator(); manipulator != nullptr && position.empty()) {
     for (const PointOnBody& tip : manipulator->robot.tips()) traces.push_back({traces.size(), {}, tip});
@@ -96,7 +98,7 @@ Configurations moments_of(const Scene* scene, const Space& space, const Configur
   if (path.size() == 0) return moments;
   const std::vector<TeamMember> members = scene == nullptr ? std::vector<TeamMember>() : scene->members();
   std::vector<double> at = {0.0};
-  if (members.size() > 1 && space.flat() && space.dimension() == scene->robot_dimension()) {
+  if (members.size() > 1 && space.dimension() == scene->robot_dimension()) {
     at = times_of(space, members, path).at;
   } else {
     for (std::size_t i = 1; i < path.size(); ++i) at.push_back(at.back() + space.distance(path[i - 1], path[i]));

@@ -23,7 +23,8 @@ AlignedLift::AlignedLift(std::shared_ptr<const Projection> position, std::shared
 }
 
 bool AlignedLift::applies(const Instance& instance) {
-  return instance.motion_model && !instance.validity_of &&
+  // Of a team, directions of one position say nothing of the other robots.
+  return instance.motion_model && !instance.validity_of && instance.scene->members().size() < 2 &&
          instance.space.dimension() == instance.motion_model->dimension();
 }
 

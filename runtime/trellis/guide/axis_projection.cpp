@@ -37,27 +37,23 @@ bool keeps_short(const Space& parent, const std::vector<std::size_t>& kept, cons
   return true;
 }
 
-std::vector<Axis> axes_of(const Space& parent, const std::vector<std::size_t>& kept) {
-  const std::vector<Axis> coordinates = parent.coordinates();
-  std::vector<Axis> axes;
-  axes.reserve(kept.size());
-  for (const std::size_t j : kept) axes.push_back(coordinates[j]);
-  for (const Factor& factor : parent.factors()) {
-    if (factor.kind != Factor::Kind::rotation) continue;
-    const auto within = [&](std::size_t j) { return j >= factor.column && j < factor.column + factor.width(); };
-    if (std::any_of(kept.begin(), kept.end(), within)) {
-      throw Error(
-          fmt::format("the coordinates of a rotation ({}) cannot be kept without all others of the space; keep {}",
-                      factor.axis.name, fmt::join(names_of_lines(parent), ", ")));
-    }
-  }
-  return axes;
-}
-
 /// S with some of the parent's coordinates.
 Space part_of(const Space& parent, const std::vector<std::size_t>& kept, std::string name) {
   if (!parent.flat() && are_all(kept, parent)) return parent;
-  return {std::move(name), axes_of(parent, kept)};
+  for (const Factor& factor : parent.factors()) {
+    if (factor.kind != Factor::Kind::rotation) continue;
+    const auto within = [&](std::size_t j) { return j >= factor.column && j < factor.column + factor.width(); };
+    const auto first = std::find_if(kept.begin(), kept.end(), within);
+    const auto count = static_cast<std::size_t>(std::count_if(kept.begin(), kept.end(), within));
+    if (count == 0) continue;
+    bool whole = count == factor.width() && kept.end() - first >= static_cast<std::ptrdiff_t>(count);
+    for (std::size_t k = 0; whole && k < count; ++k) whole = first[static_cast<std::ptrdiff_t>(k)] == factor.column + k;
+    if (!whole) {
+      throw Error(fmt::format("the coordinates of a rotation ({}) are kept all four in order or not at all; keep {}",
+                              factor.axis.name, fmt::join(names_of_lines(parent), ", ")));
+    }
+  }
+  return parent.part(kept, std::move(name));
 }
 
 /// For each axis of S, the parent's axis of the same name.

@@ -57,9 +57,10 @@ class Holonomic : public PathGuide {
     projection_ = std::make_shared<AxisProjection>(parent.space, axes, name);
     std::vector<Axis> drawn = parent.space.axes();
     for (std::size_t j = kept; j < drawn.size(); ++j) {
-      if (forwards_ && drawn[j].name == "v" && drawn[j].hi > 0.0) {
-        drawn[j].lo = std::max(drawn[j].lo, 0.0);
-      }
+      // Of a team they are v, v2, v3, ...
+      const std::string& axis = drawn[j].name;
+      const bool speed = axis.front() == 'v' && axis.find_first_not_of("0123456789", 1) == std::string::npos;
+      if (forwards_ && speed && drawn[j].hi > 0.0) drawn[j].lo = std::max(drawn[j].lo, 0.0);
     }
     drawn_ = std::make_shared<AxisProjection>(Space(parent.space.name(), std::move(drawn)), axes, name);
     auto instance = same_instance(parent);
@@ -71,9 +72,18 @@ class Holonomic : public PathGuide {
     // S ignores the limits of the motion model. A presumption of C applies to its states, not to this space, so S makes
     // its own checks.
     if (parent.motion_model) {
-      instance->validity = make_validity(parent.collision, parent.scene, instance->space, parent.resolution, nullptr);
+      // Where robots of a team follow paths, S ignores these too.
+      instance->validity = parent.validity_of ? parent.validity_of(parent.scene)
+                                              : make_validity(parent.collision, parent.scene, instance->space,
+                                                              parent.resolution, nullptr);
     }
     turns_ = along_ && parent.motion_model != nullptr;
+    headed_.clear();
+    for (const TeamMember& member : parent.scene->members()) headed_.push_back(member.axes);
+    if (headed_.empty()) {
+      const std::size_t first = parent.position_axes.empty() ? 0 : parent.position_axes.front();
+      headed_.emplace_back(axes.begin() + static_cast<std::ptrdiff_t>(first), axes.end());
+    }
     return instance;
   }
   void attach(Instance& sub) override {
@@ -114,8 +124,8 @@ class Holonomic : public PathGuide {
   [[nodiscard]] bool relaxes() const override { return false; }
   /// f.
   [[nodiscard]] std::shared_ptr<const AxisProjection> projection() const { return projection_; }
-  /// Rotates the path into the direction of travel: on each edge, all bodies have the heading of its direction; start
-  /// and goal keep theirs.
+  /// Rotates the path into the direction of travel: on each edge, all bodies have the heading of its direction, of a
+  /// team each robot that moves there its own; start and goal keep theirs.
   Configurations followed(Configurations path) const override {
     if (!turns_ || path.size() < 2) return path;
     Configurations turned(path.dimension());
@@ -123,10 +133,15 @@ class Holonomic : public PathGuide {
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
       Configuration a(path[i].begin(), path[i].end());
       Configuration b(path[i + 1].begin(), path[i + 1].end());
-      const double dx = b[0] - a[0];
-      const double dy = b[1] - a[1];
-      if (dx == 0.0 && dy == 0.0) continue;
-      for (std::size_t j = 2; j < path.dimension(); ++j) a[j] = b[j] = std::atan2(dy, dx);
+      bool moves = false;
+      for (const std::vector<std::size_t>& robot : headed_) {
+        const double dx = b[robot[0]] - a[robot[0]];
+        const double dy = b[robot[1]] - a[robot[1]];
+        if (dx == 0.0 && dy == 0.0) continue;
+        moves = true;
+        for (std::size_t j = 2; j < robot.size(); ++j) a[robot[j]] = b[robot[j]] = std::atan2(dy, dx);
+      }
+      if (!moves) continue;
       projection_->space().normalise(a);
       projection_->space().normalise(b);
       turned.push(a);
@@ -140,6 +155,8 @@ class Holonomic : public PathGuide {
   std::string name_;
   bool along_;
   bool forwards_;
+  /// The coordinates of each robot that has a heading: of a robot alone all.
+  std::vector<std::vector<std::size_t>> headed_;
   bool turns_ = false;  ///< there is a motion model, and its robot has a heading
   std::shared_ptr<const AxisProjection> projection_;
   std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h samples

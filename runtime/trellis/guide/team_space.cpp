@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/tail_validity.hpp>
 
 namespace trellis {
 
@@ -188,37 +189,17 @@ class PlacedValidity final : public Validity {
   std::vector<double> turns_;
 };
 
-/// Validity of the coordinates from one on.
-class TailValidity final : public Validity {
- public:
-  TailValidity(std::shared_ptr<Validity> tail, std::size_t first) : tail_(std::move(tail)), first_(first) {}
-  [[nodiscard]] bool state(View s) override { return tail_->state(s.subspan(first_)); }
-  [[nodiscard]] MotionReport motion(View a, View b) override {
-    return tail_->motion(a.subspan(first_), b.subspan(first_));
-  }
-  void certify(View a, View b, Certificate& certificate) override {
-    tail_->certify(a.subspan(first_), b.subspan(first_), certificate);
-  }
-  [[nodiscard]] double clearance(View s) override { return tail_->clearance(s.subspan(first_)); }
-  [[nodiscard]] std::optional<Contact> contact(View s) override { return tail_->contact(s.subspan(first_)); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override {
-    return tail_->nearest_obstacle(s.subspan(first_));
-  }
-
- private:
-  std::shared_ptr<Validity> tail_;
-  std::size_t first_;
-};
-
 Space space_of(const std::vector<RobotsPath>& along, const AxisProjection& placed, const std::vector<std::size_t>& free,
                const std::string& name) {
-  if (along.empty()) return {name, placed.space().axes()};
+  if (along.empty()) {
+    std::vector<std::size_t> all(placed.space().dimension());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return placed.space().part(all, name);
+  }
   std::vector<Axis> axes;
   // The path of many robots is long: its axis counts at most as much as the coordinates of those that are free.
-  std::vector<Axis> own;
-  own.reserve(free.size());
-  for (const std::size_t column : free) own.push_back(placed.space().axes()[column]);
-  const double widest = own.empty() ? std::numeric_limits<double>::infinity() : Space("free", own).diameter();
+  const Space own = placed.space().part(free, name);
+  const double widest = free.empty() ? std::numeric_limits<double>::infinity() : own.diameter();
   for (const RobotsPath& path : along) {
     // An axis needs a length; robots that stay where they are are there all along it.
     constexpr double least = 1e-6;
@@ -226,8 +207,10 @@ Space space_of(const std::vector<RobotsPath>& along, const AxisProjection& place
     const double length = std::max(path.length(), least);
     axes.push_back({"along" + number, 0.0, length, std::min(1.0, widest / length), false});
   }
-  axes.insert(axes.end(), own.begin(), own.end());
-  return {name, std::move(axes)};
+  const Space product = Space::product({{1.0, Space(name, std::move(axes))}, {1.0, own}});
+  std::vector<std::size_t> all(product.dimension());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return product.part(all, name);
 }
 
 }  // namespace
@@ -272,9 +255,9 @@ std::unique_ptr<Instance> TeamSpace::project(const Instance& parent) {
   instance->collision = parent.collision;
   if (follows) {
     // Another robot in the place of the one that moves: among the obstacles, without the robots that follow paths.
-    const std::vector<Axis>& axes = space_.axes();
-    const Space own("robots", std::vector<Axis>(axes.begin() + static_cast<std::ptrdiff_t>(embedding_->along().size()),
-                                                axes.end()));
+    std::vector<std::size_t> columns(embedding_->free().size());
+    std::iota(columns.begin(), columns.end(), embedding_->along().size());
+    const Space own = space_.part(columns, "robots");
     instance->validity_of = [own, first = embedding_->along().size(), collision = parent.collision,
                              resolution = parent.resolution](const std::shared_ptr<const Scene>& other) {
       return std::make_shared<TailValidity>(make_validity(collision, other, own, resolution, nullptr), first);

@@ -118,7 +118,13 @@ void put(std::string& bytes, const Solid& solid) {
 std::uint64_t hash_of(const Robot3& robot) {
   std::string bytes = "3";
   bytes += robot.rotates() ? '\1' : '\0';
-  for (const Solid& solid : robot.solids()) put(bytes, solid);
+  for (const Robot3::Member& member : robot.members()) {
+    put_integer(bytes, member.column);
+    put_integer(bytes, hash_of(*member.robot));
+  }
+  if (robot.members().empty()) {
+    for (const Solid& solid : robot.solids()) put(bytes, solid);
+  }
   return stable_hash(bytes);
 }
 

@@ -39,8 +39,11 @@ void MotionModel::sample_control(Stream& stream, MutableView u) const {
 
 void MotionModel::step(const Space& space, View x, View u, MutableView out) const {
   constexpr std::size_t most = 8;
-  std::array<double, most> rate{};
-  derivative(x, u, {rate.data(), dimension()});
+  std::array<double, most> few{};
+  Configuration many;
+  if (dimension() > most) many.resize(dimension());
+  const MutableView rate = many.empty() ? MutableView(few.data(), dimension()) : MutableView(many);
+  derivative(x, u, rate);
   for (std::size_t j = 0; j < dimension(); ++j) out[j] = x[j] + dt_ * rate[j];
   space.normalise(out);
 }

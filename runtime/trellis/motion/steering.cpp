@@ -4,8 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include <trellis/motion/curves.hpp>
+#include <trellis/motion/team_model.hpp>
 
 namespace trellis {
 
@@ -42,9 +47,64 @@ struct Wheels {
   }
 };
 
+/// Drives each robot of a team along a curve of its own; robots that arrive wait for the others.
+/// \param curve  of a robot: from its model and the ends
+/// \return none where a robot has no curve, or cannot wait
+template <class F>
+std::optional<Trajectory> steer_team(const TeamModel& team, View from, View to, const F& curve) {
+  std::vector<Trajectory> curves;
+  std::vector<std::uint32_t> durations;
+  std::uint32_t longest = 0;
+  Configuration a, b;
+  for (const TeamModel::Part& part : team.parts()) {
+    a.clear();
+    b.clear();
+    for (const std::size_t column : part.columns) {
+      a.push_back(from[column]);
+      b.push_back(to[column]);
+    }
+    auto own = curve(*part.model, a, b);
+    if (!own) return std::nullopt;
+    durations.push_back(std::accumulate(own->steps.begin(), own->steps.end(), 0U));
+    longest = std::max(longest, durations.back());
+    curves.push_back(std::move(*own));
+  }
+  for (std::size_t r = 0; r < curves.size(); ++r) {
+    if (durations[r] < longest && !can_wait(*team.parts()[r].model)) return std::nullopt;
+  }
+  Trajectory trajectory{Configurations(team.controls().size()), {}, team.dt()};
+  std::vector<std::size_t> piece(curves.size(), 0);
+  std::vector<std::uint32_t> used(curves.size(), 0);
+  for (std::uint32_t at = 0; at < longest;) {
+    Configuration u(team.controls().size(), 0.0);
+    std::uint32_t next = longest - at;
+    for (std::size_t r = 0; r < curves.size(); ++r) {
+      if (piece[r] == curves[r].steps.size()) continue;
+      const View own = std::as_const(curves[r].controls)[piece[r]];
+      std::copy(own.begin(), own.end(), u.begin() + static_cast<std::ptrdiff_t>(team.parts()[r].control));
+      next = std::min(next, curves[r].steps[piece[r]] - used[r]);
+    }
+    trajectory.controls.push(u);
+    trajectory.steps.push_back(next);
+    at += next;
+    for (std::size_t r = 0; r < curves.size(); ++r) {
+      if (piece[r] == curves[r].steps.size()) continue;
+      used[r] += next;
+      if (used[r] < curves[r].steps[piece[r]]) continue;
+      used[r] = 0;
+      ++piece[r];
+    }
+  }
+  return trajectory;
+}
+
 }  // namespace
 
 std::optional<Trajectory> steer(const MotionModel& model, View from, View to) {
+  if (const TeamModel* team = team_model(model)) {
+    return steer_team(*team, from, to, [](const MotionModel& one, View a, View b) { return steer(one, a, b); });
+  }
+  if (const auto* clock = dynamic_cast<const PathClock*>(&model)) return clock->to(from[0], to[0]);
   const auto wheels = Wheels::of(model);
   const auto radius = wheels ? wheels->radius(model, from, wheels->speed.hi) : std::nullopt;
   if (!radius) return std::nullopt;
@@ -63,6 +123,11 @@ std::optional<Trajectory> steer(const MotionModel& model, View from, View to) {
 }
 
 std::optional<Trajectory> steer_at(const MotionModel& model, View from, View to, double share) {
+  if (const TeamModel* team = team_model(model)) {
+    return steer_team(*team, from, to,
+                      [&](const MotionModel& one, View a, View b) { return steer_at(one, a, b, share); });
+  }
+  if (const auto* clock = dynamic_cast<const PathClock*>(&model)) return clock->to(from[0], to[0]);
   const auto wheels = Wheels::of(model);
   if (!wheels) return std::nullopt;
   // A model that may stop could turn on the spot at almost zero speed: bound the speed from below.

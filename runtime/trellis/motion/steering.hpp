@@ -10,9 +10,10 @@ namespace trellis {
 /// Computes controls that drive a model along the shortest curve of its least turning radius from one configuration to
 /// another: Dubins' curve for a model that only drives forwards, Reeds and Shepp's for one that also drives backwards.
 /// The curve is exact for a car. Explicit Euler steps follow it to within half a step's turn, so the caller checks the
-/// end state.
-/// \return no trajectory for models without such curves (velocities in the state, a trailer), and where a piece is too
-///     short for the least speed.
+/// end state. Of a team each robot drives along a curve of its own, and waits at its end for the others.
+/// \return no trajectory for models without such curves (velocities in the state, a trailer), where a piece is too
+/// short
+///     for the least speed, and where a robot of a team cannot wait.
 std::optional<Trajectory> steer(const MotionModel& model, View from, View to);
 
 /// As `steer`, at one speed. The speed determines the turning radius of a model whose control is an angular speed.

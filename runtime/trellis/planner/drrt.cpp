@@ -69,9 +69,6 @@ class Drrt final : public StartTreePlanner {
       members.emplace_back().axes.resize(instance.space.dimension());
       std::iota(members.front().axes.begin(), members.front().axes.end(), std::size_t{0});
     }
-    if (!instance.space.flat()) {
-      throw Error(fmt::format("drrt: needs a space without rotations of space, and this is {}", instance.space.name()));
-    }
     for (const TeamMember& member : members) {
       RobotRoadmap& robot = robots_.emplace_back();
       robot.axes = member.axes;
@@ -250,7 +247,7 @@ class Drrt final : public StartTreePlanner {
   /// The neighbour of a vertex in the direction of the proposal, or the next one on the path to the goal.
   [[nodiscard]] std::uint32_t towards(const RobotRoadmap& robot, std::uint32_t vertex, bool to_goal) const {
     if (to_goal) return robot.on[vertex] != no_node ? robot.on[vertex] : vertex;
-    const std::size_t d = robot.space.dimension();
+    const std::size_t d = robot.space.degrees();
     const View from = robot.vertices[vertex];
     Configuration wanted(d);
     Configuration along(d);

@@ -211,7 +211,8 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
 });
 
 constexpr std::array of_teams = {
-    Quantity{"times", "makespan", "", "s", less, "of a team: when the last robot is at its goal, at 1 m/s at most"},
+    Quantity{"times", "makespan", "", "s", less,
+             "of a team: when the last robot is at its goal, at 1 m/s at most; as driven by motion models"},
     Quantity{"times", "sum_of_costs", "", "s", less,
              "of a team: the sum over robots of the time until it is at its goal and stays there"},
     Quantity{"couplings", "conflicts", "", "runs", none,

@@ -165,6 +165,12 @@ Recentred<Robot> recentred(const Robot& robot) {
 }
 
 Recentred<Robot3> recentred(const Robot3& robot) {
+  if (!robot.members().empty()) {
+    throw Error(
+        fmt::format("recentred: '{}' is a team, whose robots have a reference point each; recentre each one before "
+                    "robots {{ ... }}",
+                    robot.name()));
+  }
   if (robot.is_point()) return {robot, {}};
   // In space discs are balls inside one of the solids, as Robot3::inscribed_radius.
   double most = 0.0;

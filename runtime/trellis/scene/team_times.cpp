@@ -9,11 +9,19 @@
 namespace trellis {
 
 Space space_of(const Space& team, const TeamMember& member) {
-  std::vector<Axis> axes;
-  axes.reserve(member.axes.size());
-  for (const std::size_t axis : member.axes) axes.push_back(team.axes()[axis]);
-  return {fmt::format("robot {}", member.number), std::move(axes)};
+  return team.part(member.axes, fmt::format("robot {}", member.number));
 }
+
+namespace {
+
+void count_arrivals(const std::vector<double>& arrived, TeamTimes& times) {
+  for (const double time : arrived) {
+    times.makespan = std::max(times.makespan, time);
+    times.sum_of_costs += time;
+  }
+}
+
+}  // namespace
 
 TeamTimes times_of(const Space& space, const std::vector<TeamMember>& members, const Configurations& path) {
   TeamTimes times;
@@ -40,10 +48,22 @@ TeamTimes times_of(const Space& space, const std::vector<TeamMember>& members, c
       if (moves[r] != 0) arrived[r] = times.at[i];
     }
   }
-  for (const double time : arrived) {
-    times.makespan = std::max(times.makespan, time);
-    times.sum_of_costs += time;
+  count_arrivals(arrived, times);
+  return times;
+}
+
+TeamTimes times_of_steps(const std::vector<TeamMember>& members, const Configurations& path, double step) {
+  TeamTimes times;
+  std::vector<double> arrived(members.size(), 0.0);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    times.at.push_back(static_cast<double>(i) * step);
+    for (std::size_t r = 0; i > 0 && r < members.size(); ++r) {
+      const bool moves = std::any_of(members[r].axes.begin(), members[r].axes.end(),
+                                     [&](std::size_t axis) { return path[i][axis] != path[i - 1][axis]; });
+      if (moves) arrived[r] = times.at[i];
+    }
   }
+  count_arrivals(arrived, times);
   return times;
 }
 

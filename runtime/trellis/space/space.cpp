@@ -140,6 +140,24 @@ Space Space::product(const std::vector<std::pair<double, Space>>& factors) {
   return {std::move(name), std::move(all)};
 }
 
+Space Space::part(const std::vector<std::size_t>& columns, std::string name) const {
+  std::vector<const Factor*> of(dimension_);
+  for (const Factor& factor : factors_) {
+    for (std::size_t k = 0; k < factor.width(); ++k) of[factor.column + k] = &factor;
+  }
+  std::vector<Factor> kept;
+  for (std::size_t j = 0; j < columns.size();) {
+    const Factor& factor = *of.at(columns[j]);
+    for (std::size_t k = 0; k < factor.width(); ++k, ++j) {
+      if (j >= columns.size() || columns[j] != factor.column + k) {
+        throw Fault(fmt::format("a part of the rotation {} of {}", factor.axis.name, name_));
+      }
+    }
+    kept.push_back(factor);
+  }
+  return {std::move(name), std::move(kept)};
+}
+
 std::vector<Axis> Space::coordinates() const {
   std::vector<Axis> all;
   all.reserve(dimension_);

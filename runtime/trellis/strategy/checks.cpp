@@ -18,7 +18,8 @@ namespace {
 
 /// What a start or a goal touches; of a team which robot does.
 std::string collision_text(const Contact& contact, const Scene& scene) {
-  const bool team = scene.planar() != nullptr && scene.members().size() > 1;
+  // The parts of a manipulator's base are no robots of their own in messages.
+  const bool team = scene.manipulator() == nullptr && scene.members().size() > 1;
   if (!team) return " is in collision with " + describe(contact, scene);
   const std::string robot = scene.body_name(contact.body);
   return contact.other ? fmt::format(": {} meets {}", robot, scene.body_name(*contact.other))

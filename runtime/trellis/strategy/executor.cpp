@@ -352,7 +352,11 @@ class Running {
     }
     record.length = path_length(problem_.space, record.path);
     const std::vector<TeamMember> members = problem_.scene->members();
-    if (members.size() > 1) record.times = times_of(problem_.space, members, record.path);
+    if (members.size() > 1) {
+      const MotionModel* const model = problem_.motion_model.get();
+      record.times = model != nullptr ? times_of_steps(members, record.path, model->dt())
+                                      : times_of(problem_.space, members, record.path);
+    }
     record.clearance = search.check_path().clearance();
   }
 

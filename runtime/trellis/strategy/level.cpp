@@ -15,6 +15,7 @@
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/conflict_search.hpp>
+#include <trellis/strategy/driven_team_search.hpp>
 #include <trellis/strategy/split_search.hpp>
 #include <trellis/strategy/team_search.hpp>
 
@@ -140,6 +141,9 @@ std::unique_ptr<Planner> Level::make_planner() {
                          guidance_.guided(), run_.helpers};
   if (division_) {
     const GuideSpec* guide = guide_spec_ ? &*guide_spec_ : nullptr;
+    if (instance_->motion_model) {
+      return make_driven_team_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
+    }
     if (division_->how == Coordination::windows) {
       return make_conflict_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
     }

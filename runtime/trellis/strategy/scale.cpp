@@ -87,8 +87,10 @@ void check_guide(const GuideSpec& guide, const Problem& problem) {
 /// Checks the distances that the bounds of a speed cover in one step.
 void check_speed(const std::string& axis, double lo, double hi, const Problem& problem) {
   constexpr std::array<std::string_view, 2> speeds = {"speed", "v"}, turns = {"angular_speed", "omega"};
-  const bool turn = is_one_of(axis, turns);
-  if (!turn && !is_one_of(axis, speeds)) return;
+  // Those of a team have numbers: speed, speed2, ...
+  const std::string_view name = std::string_view(axis).substr(0, axis.find_last_not_of("0123456789") + 1);
+  const bool turn = is_one_of(name, turns);
+  if (!turn && !is_one_of(name, speeds)) return;
   const double extent = turn ? 2.0 * std::numbers::pi : problem.space.diameter();
   // The planner limits the steps of one control, and with them smaller steps.
   constexpr double millisecond = 1e-3;

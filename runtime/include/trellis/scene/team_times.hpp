@@ -9,7 +9,7 @@
 
 namespace trellis {
 
-/// The space of a robot of a team: its axes of the team's flat space.
+/// The space of a robot of a team: its coordinates of the team's.
 Space space_of(const Space& team, const TeamMember& member);
 
 /// When a team is where on a path whose robots move at 1 m/s at most, each in the metric of its own coordinates.
@@ -22,5 +22,9 @@ struct TeamTimes {
 /// Times a path: each piece takes as long as the robot that moves farthest on it.
 /// \param members  of the team, at least one
 TeamTimes times_of(const Space& space, const std::vector<TeamMember>& members, const Configurations& path);
+
+/// Times a path whose robots are driven by motion models: each piece takes one step.
+/// \param step  seconds
+TeamTimes times_of_steps(const std::vector<TeamMember>& members, const Configurations& path, double step);
 
 }  // namespace trellis

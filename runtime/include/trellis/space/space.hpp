@@ -80,6 +80,11 @@ class Space {
   /// \param factors  a weight greater than 0 and a space, in the order of the coordinates
   static Space product(const std::vector<std::pair<double, Space>>& factors);
 
+  /// Returns the space of some coordinates of this one, with its weights.
+  /// \param columns  of a rotation all four in order, or none
+  /// \throws Fault for a part of a rotation
+  [[nodiscard]] Space part(const std::vector<std::size_t>& columns, std::string name) const;
+
   [[nodiscard]] const std::string& name() const { return name_; }
   /// The number of coordinates of a configuration.
   [[nodiscard]] std::size_t dimension() const { return dimension_; }

@@ -6,11 +6,14 @@
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -285,6 +288,38 @@ double margin_inside(const Box3& box, const Box3& bounds) {
   return std::min({low.x, low.y, low.z, high.x, high.y, high.z});
 }
 
+/// Marks the configurations of a motion, by index, that the clearance of one of them shows to be free.
+/// \param free  a number for each of 0..n
+/// \param per_configuration  metres that the robot's points move from one configuration to the next, at most
+void mark_free(char* free, std::uint32_t n, std::uint32_t index, double clearance, double per_configuration) {
+  if (!(clearance > per_configuration)) return;
+  const auto steps = static_cast<std::uint32_t>(std::min(clearance / per_configuration, static_cast<double>(n)));
+  const std::uint32_t first = index > steps ? index - steps : 0, last = std::min(n, index + steps);
+  std::fill(free + first, free + last + 1, char{1});
+}
+
+/// A motion of a body in the frame of a checker's world, seen from one of its configurations.
+struct SeenMotion {
+  Pose3 pose;                 ///< of the body there
+  BodyMotion whole;           ///< translation and turn of the whole motion; its reference is not used
+  double displacement = 0.0;  ///< metres, at most, that points of the body move against the solids on the whole motion
+  double rest = 0.0;          ///< the part of it that `whole` leaves out, since the solids turn
+
+  /// The part of the motion within `half` of it to either side.
+  [[nodiscard]] BodyMotion part(double half) const {
+    return {pose.position, half * whole.translation, whole.axis, half * whole.turn};
+  }
+};
+
+/// The turn of a body between two poses, about an axis in the frame of the world.
+BodyMotion body_motion(const Pose3& from, const Pose3& to) {
+  BodyMotion motion{{}, to.position - from.position, {}, 0.0};
+  const Vec3 turn = from.orientation(rotation_vector(from.orientation.inverse() * to.orientation));
+  motion.turn = norm(turn);
+  if (motion.turn > 0.0) motion.axis = 1.0 / motion.turn * turn;
+  return motion;
+}
+
 /// Returns how far the shares of a motion are from those that a level of the bisection visited before, by rank.
 double gap_before(std::uint32_t rank) {
   double gap = 1.0;
@@ -332,10 +367,18 @@ class SpatialFclChecker final : public Checker {
   }
 
   [[nodiscard]] bool valid(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return false;
-    const Pose3 pose = robot_.pose(q);
-    const Turn turn(pose);
-    return boundary_margin(pose, 0.0) >= -slack_ && free_of_obstacles(pose, turn, 0.0) >= 0.0;
+    return is_finite(q, robot_.dimension()) && valid_at(robot_.pose(q));
+  }
+  [[nodiscard]] bool valid_at(const Pose3& pose) const {
+    return boundary_margin(pose, 0.0) >= -slack_ && free_of_obstacles(pose, Turn(pose), 0.0) >= 0.0;
+  }
+  /// Returns a distance that the robot at a pose certainly has from the boundary and all obstacles; negative where the
+  /// pose is invalid.
+  /// \param enough  the search for a larger distance may end at this one
+  [[nodiscard]] double sure_clearance(const Pose3& pose, double enough) const {
+    const double margin = boundary_margin(pose, enough);
+    const double clearance = margin >= -slack_ ? free_of_obstacles(pose, Turn(pose), enough) : -1.0;
+    return clearance < 0.0 ? -1.0 : std::max(std::min(clearance, margin), 0.0);
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
@@ -358,20 +401,10 @@ class SpatialFclChecker final : public Checker {
       const std::uint32_t index = order.indices[rank];
       if (free_[index] != 0) continue;
       space_.interpolate(a, b, order.share(rank), q_);
-      const Pose3 pose = robot_.pose(q_);
-      const Turn turn(pose);
       // Both margins shrink by at most the displacement.
-      const double enough = displacement * gap_before(rank);
-      const double margin = boundary_margin(pose, enough);
-      const double clearance = margin >= -slack_ ? free_of_obstacles(pose, turn, enough) : -1.0;
-      if (clearance < 0.0) return {false, rank + 1, order.share(rank)};
-      const double sure = std::min(clearance, margin);
-      if (sure > per_configuration) {
-        const double reach = std::min(sure / per_configuration, static_cast<double>(n));
-        const auto steps = static_cast<std::uint32_t>(reach);
-        const std::uint32_t first = index > steps ? index - steps : 0, last = std::min(n, index + steps);
-        std::fill(free_.begin() + first, free_.begin() + last + 1, char{1});
-      }
+      const double sure = sure_clearance(robot_.pose(q_), displacement * gap_before(rank));
+      if (sure < 0.0) return {false, rank + 1, order.share(rank)};
+      mark_free(free_.data(), n, index, sure, per_configuration);
     }
     return between_configurations(a, b, n);
   }
@@ -400,9 +433,9 @@ class SpatialFclChecker final : public Checker {
       certificate.clearance = std::min(certificate.clearance, slack_);
   }
 
-  [[nodiscard]] double clearance(View q) const override {
-    if (!valid(q)) return 0.0;
-    const Pose3 pose = robot_.pose(q);
+  [[nodiscard]] double clearance(View q) const override { return valid(q) ? clearance_at(robot_.pose(q)) : 0.0; }
+  /// The same at a pose that is valid.
+  [[nodiscard]] double clearance_at(const Pose3& pose) const {
     double best = std::numeric_limits<double>::infinity();
     if (world_.contain() == Contain::reference) {
       best = margin_inside({pose.position, pose.position}, world_.bounds());
@@ -441,6 +474,68 @@ class SpatialFclChecker final : public Checker {
     return Contact{0, met_obstacle(robot_.pose(q))};
   }
 
+  /// Returns the first obstacle that the robot at a pose meets.
+  [[nodiscard]] std::optional<std::size_t> met_obstacle(const Pose3& pose) const {
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+      for (const Piece& piece : pieces_) {
+        const Pose3 at = pose * piece.solid.pose;
+        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at, scale_), i)) return i;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Whether everything is certainly farther than `margin` metres from the body throughout the part of its motion
+  /// within `half`. What FCL's distances cannot certify, since their iterations end early, is decided by contact with
+  /// inflated shapes and by distances of triangles.
+  [[nodiscard]] bool apart_throughout(const SeenMotion& motion, double half, double margin) const {
+    const double by = half * motion.displacement + margin;
+    return (boundary_margin(motion.pose, by) >= by && certainly_apart(motion.pose, by)) ||
+           separated(motion, half, margin + 2.0 * slack_).throughout > margin + slack_;
+  }
+
+  /// Returns the distance at the middle of such a part, as MotionClearance::near.
+  [[nodiscard]] MotionClearance::Near near_throughout(const SeenMotion& motion, double half, double at_most) const {
+    const double displacement = half * motion.displacement;
+    const double cut = at_most + displacement;
+    const Pose3& pose = motion.pose;
+    const double margin = boundary_margin(pose, cut);
+    if (margin <= slack_ || free_of_obstacles(pose, Turn(pose), 0.0) < 0.0) return {0.0, -displacement};
+    const double limit = std::min(cut, margin);
+    if (robot_.is_point()) {
+      const double found = distance_of_point(pose.position, limit);
+      return {std::min(found, at_most), std::min(found - displacement, at_most)};
+    }
+    // What FCL's iterations may leave out.
+    constexpr double relative = 1e-4;
+    const double absolute = 1e-5 / scale_;
+    const double reach = limit * (1.0 + 2.0 * relative) + 2.0 * absolute;
+    double found = obstacle_distance(pose, reach);
+    if (found >= reach) return {std::min(limit, at_most), std::min(limit - displacement, at_most)};
+    const double certain = std::min(found * (1.0 - relative) - absolute, margin);
+    bool inexact = certain < certified_share * std::min(found, margin);
+    double sure = certain - displacement;
+    if (inexact) {
+      const SeparationGap gap = separated(motion, half, reach);
+      if (gap.middle > slack_) {
+        // A bound may be far less than the distance: then FCL's, and inflated shapes, say more.
+        const double least = std::min(found, margin);
+        if (gap.middle > 0.5 * least) found = std::min(found, gap.middle);
+        inexact = gap.middle < certified_share * std::min(found, margin);
+        sure = std::max(sure, gap.throughout - slack_);
+      }
+    }
+    // Close to contact inflated shapes show more than such a distance does.
+    for (const double share : {0.5, 0.1, 0.0}) {
+      const double inflated = share * std::max(std::min(found, margin) - displacement, 0.0);
+      if (sure > inflated || displacement >= margin) break;
+      if (!certainly_apart(pose, displacement + inflated)) continue;
+      sure = std::max(inflated, slack_);
+      break;
+    }
+    return {std::min(std::max(found, slack_), at_most), std::min(sure, at_most), inexact};
+  }
+
  private:
   /// Returns a margin inside the boundary that the robot has, the exact one where that is less than `enough`; negative
   /// where it leaves the boundary.
@@ -459,17 +554,6 @@ class SpatialFclChecker final : public Checker {
       if (!(margin >= -slack_)) return margin;
     }
     return margin;
-  }
-
-  /// Returns the first obstacle that the robot at a pose meets.
-  [[nodiscard]] std::optional<std::size_t> met_obstacle(const Pose3& pose) const {
-    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-      for (const Piece& piece : pieces_) {
-        const Pose3 at = pose * piece.solid.pose;
-        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at, scale_), i)) return i;
-      }
-    }
-    return std::nullopt;
   }
 
   /// Returns the distance of a point from a piece, of a mesh from its surface, in metres.
@@ -518,194 +602,141 @@ class SpatialFclChecker final : public Checker {
     return found;
   }
 
-  /// The distances on a motion. What FCL's distances cannot certify, since their iterations end early, is decided by
-  /// contact with inflated shapes and by distances of triangles.
+  /// The distances of the robot on a motion.
   class Clearances final : public MotionClearance {
    public:
-    Clearances(const SpatialFclChecker& checker, View a, View b)
-        : checker_(checker), a_(a), b_(b), displacement_(checker.robot_.displacement_bound(a, b)) {
-      const Pose3 from = checker.robot_.pose(a);
-      const Pose3 to = checker.robot_.pose(b);
-      whole_.translation = to.position - from.position;
-      if (!checker.robot_.rotates()) return;
-      const Vec3 turn = from.orientation(rotation_vector(from.orientation.inverse() * to.orientation));
-      whole_.turn = norm(turn);
-      if (whole_.turn > 0.0) whole_.axis = 1.0 / whole_.turn * turn;
+    Clearances(const SpatialFclChecker& checker, View a, View b) : checker_(checker), a_(a), b_(b) {
+      motion_.displacement = checker.robot_.displacement_bound(a, b);
+      motion_.whole = body_motion(checker.robot_.pose(a), checker.robot_.pose(b));
     }
 
     /// Of the whole motion, in metres.
-    [[nodiscard]] double displacement() const { return displacement_; }
+    [[nodiscard]] double displacement() const { return motion_.displacement; }
 
     [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
-      const double by = half * displacement_ + margin;
       unsigned found = 0;
       for (std::size_t i = 0; i < shares.size(); ++i) {
-        const Pose3 pose = pose_at(shares[i]);
-        const bool apart = checker_.boundary_margin(pose, by) >= by && certainly_apart(pose, by);
-        if (apart || separated(pose, half, margin + 2.0 * checker_.slack_).throughout > margin + checker_.slack_)
-          found |= 1U << i;
+        if (checker_.apart_throughout(seen_at(shares[i]), half, margin)) found |= 1U << i;
       }
       return found;
     }
-
     [[nodiscard]] Near near(double share, double half, double at_most) override {
-      const double displacement = half * displacement_;
-      const double cut = at_most + displacement;
-      const Pose3 pose = pose_at(share);
-      const double margin = checker_.boundary_margin(pose, cut);
-      if (margin <= checker_.slack_ || checker_.free_of_obstacles(pose, Turn(pose), 0.0) < 0.0) {
-        return {0.0, -displacement};
-      }
-      const double limit = std::min(cut, margin);
-      if (checker_.robot_.is_point()) {
-        const double found = checker_.distance_of_point(pose.position, limit);
-        return {std::min(found, at_most), std::min(found - displacement, at_most)};
-      }
-      // What FCL's iterations may leave out.
-      constexpr double relative = 1e-4;
-      const double absolute = 1e-5 / checker_.scale_;
-      const double reach = limit * (1.0 + 2.0 * relative) + 2.0 * absolute;
-      double found = checker_.obstacle_distance(pose, reach);
-      if (found >= reach) return {std::min(limit, at_most), std::min(limit - displacement, at_most)};
-      const double certain = std::min(found * (1.0 - relative) - absolute, margin);
-      bool inexact = certain < certified_share * std::min(found, margin);
-      double sure = certain - displacement;
-      if (inexact) {
-        const SeparationGap gap = separated(pose, half, reach);
-        if (gap.middle > checker_.slack_) {
-          // A bound may be far less than the distance: then FCL's, and inflated shapes, say more.
-          const double least = std::min(found, margin);
-          if (gap.middle > 0.5 * least) found = std::min(found, gap.middle);
-          inexact = gap.middle < certified_share * std::min(found, margin);
-          sure = std::max(sure, gap.throughout - checker_.slack_);
-        }
-      }
-      // Close to contact inflated shapes show more than such a distance does.
-      for (const double part : {0.5, 0.1, 0.0}) {
-        const double inflated = part * std::max(std::min(found, margin) - displacement, 0.0);
-        if (sure > inflated || displacement >= margin) break;
-        if (!certainly_apart(pose, displacement + inflated)) continue;
-        sure = std::max(inflated, checker_.slack_);
-        break;
-      }
-      return {std::min(std::max(found, checker_.slack_), at_most), std::min(sure, at_most), inexact};
+      return checker_.near_throughout(seen_at(share), half, at_most);
     }
 
    private:
-    [[nodiscard]] Pose3 pose_at(double share) const {
+    const SeenMotion& seen_at(double share) {
       checker_.space_.interpolate(a_, b_, share, checker_.q_);
-      return checker_.robot_.pose(checker_.q_);
-    }
-
-    /// Whether all obstacles are certainly farther than `by` metres from the robot. Decides nothing about a body inside
-    /// a mesh: on a motion that begins outside, all surfaces stay apart.
-    [[nodiscard]] bool certainly_apart(const Pose3& pose, double by) const {
-      if (checker_.filter_) {
-        const NearFilter::Answer answer = checker_.filter_->decide(Turn(pose), by);
-        if (answer.verdict == NearFilter::Verdict::meets) return false;
-        if (answer.verdict == NearFilter::Verdict::free && answer.clearance > by) return true;
-      }
-      const Vec3 margin{by, by, by};
-      return std::all_of(checker_.pieces_.begin(), checker_.pieces_.end(), [&](const Piece& piece) {
-        const Pose3 at = pose * piece.solid.pose;
-        const Box3 tight = box_at(piece, Turn(at));
-        const Box3 box{tight.lo - margin, tight.hi + margin};
-        bool all = true;
-        checker_.tree_.each(
-            [&](const Box3& other) { return all && overlap(box, other); },
-            [&](std::uint32_t i) { all = all && (!overlap(box, checker_.boxes_[i]) || pair_apart(piece, at, i, by)); });
-        return all;
-      });
-    }
-
-    /// Returns what directions of separation show about the interval with this middle: the least gap from the boundary
-    /// and the obstacles. Gaps of at least `enough` count as that.
-    [[nodiscard]] SeparationGap separated(const Pose3& pose, double half, double enough) const {
-      const double by = enough + half * displacement_;
-      const BodyMotion motion{pose.position, half * whole_.translation, whole_.axis, half * whole_.turn};
-      SeparationGap all{by, enough};
-      const auto add = [&all](const SeparationGap& gap) {
-        all.middle = std::min(all.middle, gap.middle);
-        all.throughout = std::min(all.throughout, gap.throughout);
-      };
-      const Box3& bounds = checker_.world_.bounds();
-      const Contain contain = checker_.world_.contain();
-      if (contain == Contain::reference) add(gap_inside({Sphere{0.0}, {pose.position, {}}}, motion, bounds));
-      const Vec3 margin{by, by, by};
-      for (const Piece& piece : checker_.pieces_) {
-        const Pose3 at = pose * piece.solid.pose;
-        const Box3 tight = box_at(piece, Turn(at));
-        const Box3 box{tight.lo - margin, tight.hi + margin};
-        if (contain == Contain::robot && margin_inside(box, bounds) < 0.0) {
-          add(gap_inside({piece.solid.shape, at}, motion, bounds));
-        }
-        checker_.tree_.each([&](const Box3& other) { return all.throughout > 0.0 && overlap(box, other); },
-                            [&](std::uint32_t i) {
-                              if (all.throughout <= 0.0 || !overlap(box, checker_.boxes_[i])) return;
-                              if (checker_.obstacles_[i].cloud != nullptr) {
-                                add(cloud_gap({piece.solid.shape, at}, motion, i, box));
-                                return;
-                              }
-                              add(separation_gap({piece.solid.shape, at}, motion, checker_.obstacles_[i].solid));
-                            });
-        if (all.throughout <= 0.0) break;
-      }
-      return all;
-    }
-
-    /// Returns the least gap from the balls of a cloud that may meet a box.
-    [[nodiscard]] SeparationGap cloud_gap(const Solid& moving, const BodyMotion& motion, std::size_t i,
-                                          const Box3& box) const {
-      constexpr int most_balls = 500;
-      const PointCloud& cloud = *checker_.obstacles_[i].cloud;
-      const Pose3& pose = checker_.obstacles_[i].solid.pose;
-      const Box3 seen =
-          bounding_box({Cuboid{box.hi - box.lo}, checker_.inverses_[i] * Pose3{0.5 * (box.lo + box.hi), {}}});
-      const Vec3 margin{cloud.radius(), cloud.radius(), cloud.radius()};
-      constexpr double infinity = std::numeric_limits<double>::infinity();
-      SeparationGap all{infinity, infinity};
-      int balls = 0;
-      cloud.each_near({seen.lo - margin, seen.hi + margin}, [&](std::size_t k) {
-        const Solid ball{Sphere{cloud.radius()}, {pose(cloud.points()[k]), {}}};
-        if (gap_between(bounding_box(ball), box) > 0.0) return true;
-        const SeparationGap gap = ++balls > most_balls ? SeparationGap{} : separation_gap(moving, motion, ball);
-        all.middle = std::min(all.middle, gap.middle);
-        all.throughout = std::min(all.throughout, gap.throughout);
-        return all.throughout > 0.0;
-      });
-      return all;
-    }
-
-    [[nodiscard]] bool pair_apart(const Piece& piece, const Pose3& pose, std::size_t i, double by) const {
-      const Piece& obstacle = checker_.obstacles_[i];
-      if (obstacle.cloud != nullptr) {
-        const double reach = by + checker_.slack_;
-        return checker_.cloud_distance(piece, pose, i, std::nextafter(reach, 2.0 * reach)) > reach;
-      }
-      if (piece.model == nullptr) return !meet_inflated(piece, pose, obstacle, obstacle.solid.pose, by);
-      if (obstacle.model == nullptr) return !meet_inflated(obstacle, obstacle.solid.pose, piece, pose, by);
-      const Turn place(checker_.inverses_[i] * pose);
-      const double margin = std::max(by, checker_.slack_);
-      TrianglePair guess;
-      return compare_surfaces(*piece.surface, *obstacle.surface, place, margin, guess) == SurfacePair::apart;
-    }
-
-    [[nodiscard]] bool meet_inflated(const Piece& inflated, const Pose3& pose, const Piece& other,
-                                     const Pose3& other_pose, double by) const {
-      const double scale = checker_.scale_;
-      const Shape3 larger = std::visit(Inflate{by + checker_.slack_}, inflated.solid.shape);
-      const Geometry geometry = std::visit(MakeGeometry(), scaled({larger, {}}, scale).shape);
-      checker_.result_.clear();
-      return fcl::collide(geometry.get(), transform(pose, scale), other.geometry.get(), transform(other_pose, scale),
-                          checker_.request_, checker_.result_) > 0;
+      motion_.pose = checker_.robot_.pose(checker_.q_);
+      return motion_;
     }
 
     const SpatialFclChecker& checker_;
     View a_;
     View b_;
-    double displacement_;
-    BodyMotion whole_;  ///< translation and turn of the whole motion
+    SeenMotion motion_;
   };
+
+  /// Whether all obstacles are certainly farther than `by` metres from the robot. Decides nothing about a body inside
+  /// a mesh: on a motion that begins outside, all surfaces stay apart.
+  [[nodiscard]] bool certainly_apart(const Pose3& pose, double by) const {
+    if (filter_) {
+      const NearFilter::Answer answer = filter_->decide(Turn(pose), by);
+      if (answer.verdict == NearFilter::Verdict::meets) return false;
+      if (answer.verdict == NearFilter::Verdict::free && answer.clearance > by) return true;
+    }
+    const Vec3 margin{by, by, by};
+    return std::all_of(pieces_.begin(), pieces_.end(), [&](const Piece& piece) {
+      const Pose3 at = pose * piece.solid.pose;
+      const Box3 tight = box_at(piece, Turn(at));
+      const Box3 box{tight.lo - margin, tight.hi + margin};
+      bool all = true;
+      tree_.each([&](const Box3& other) { return all && overlap(box, other); },
+                 [&](std::uint32_t i) { all = all && (!overlap(box, boxes_[i]) || pair_apart(piece, at, i, by)); });
+      return all;
+    });
+  }
+
+  /// Returns what directions of separation show about the interval with this middle: the least gap from the boundary
+  /// and the obstacles. Gaps of at least `enough` count as that.
+  [[nodiscard]] SeparationGap separated(const SeenMotion& seen, double half, double enough) const {
+    const Pose3& pose = seen.pose;
+    const double by = enough + half * seen.displacement;
+    const BodyMotion motion = seen.part(half);
+    SeparationGap all{by, enough};
+    const auto add = [&](const SeparationGap& gap) {
+      all.middle = std::min(all.middle, gap.middle);
+      all.throughout = std::min(all.throughout, gap.throughout - half * seen.rest);
+    };
+    const Box3& bounds = world_.bounds();
+    const Contain contain = world_.contain();
+    if (contain == Contain::reference) add(gap_inside({Sphere{0.0}, {pose.position, {}}}, motion, bounds));
+    const Vec3 margin{by, by, by};
+    for (const Piece& piece : pieces_) {
+      const Pose3 at = pose * piece.solid.pose;
+      const Box3 tight = box_at(piece, Turn(at));
+      const Box3 box{tight.lo - margin, tight.hi + margin};
+      if (contain == Contain::robot && margin_inside(box, bounds) < 0.0) {
+        add(gap_inside({piece.solid.shape, at}, motion, bounds));
+      }
+      tree_.each([&](const Box3& other) { return all.throughout > 0.0 && overlap(box, other); },
+                 [&](std::uint32_t i) {
+                   if (all.throughout <= 0.0 || !overlap(box, boxes_[i])) return;
+                   if (obstacles_[i].cloud != nullptr) {
+                     add(cloud_gap({piece.solid.shape, at}, motion, i, box));
+                     return;
+                   }
+                   add(separation_gap({piece.solid.shape, at}, motion, obstacles_[i].solid));
+                 });
+      if (all.throughout <= 0.0) break;
+    }
+    return all;
+  }
+
+  /// Returns the least gap from the balls of a cloud that may meet a box.
+  [[nodiscard]] SeparationGap cloud_gap(const Solid& moving, const BodyMotion& motion, std::size_t i,
+                                        const Box3& box) const {
+    constexpr int most_balls = 500;
+    const PointCloud& cloud = *obstacles_[i].cloud;
+    const Pose3& pose = obstacles_[i].solid.pose;
+    const Box3 seen = bounding_box({Cuboid{box.hi - box.lo}, inverses_[i] * Pose3{0.5 * (box.lo + box.hi), {}}});
+    const Vec3 margin{cloud.radius(), cloud.radius(), cloud.radius()};
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    SeparationGap all{infinity, infinity};
+    int balls = 0;
+    cloud.each_near({seen.lo - margin, seen.hi + margin}, [&](std::size_t k) {
+      const Solid ball{Sphere{cloud.radius()}, {pose(cloud.points()[k]), {}}};
+      if (gap_between(bounding_box(ball), box) > 0.0) return true;
+      const SeparationGap gap = ++balls > most_balls ? SeparationGap{} : separation_gap(moving, motion, ball);
+      all.middle = std::min(all.middle, gap.middle);
+      all.throughout = std::min(all.throughout, gap.throughout);
+      return all.throughout > 0.0;
+    });
+    return all;
+  }
+
+  [[nodiscard]] bool pair_apart(const Piece& piece, const Pose3& pose, std::size_t i, double by) const {
+    const Piece& obstacle = obstacles_[i];
+    if (obstacle.cloud != nullptr) {
+      const double reach = by + slack_;
+      return cloud_distance(piece, pose, i, std::nextafter(reach, 2.0 * reach)) > reach;
+    }
+    if (piece.model == nullptr) return !meet_inflated(piece, pose, obstacle, obstacle.solid.pose, by);
+    if (obstacle.model == nullptr) return !meet_inflated(obstacle, obstacle.solid.pose, piece, pose, by);
+    const Turn place(inverses_[i] * pose);
+    const double margin = std::max(by, slack_);
+    TrianglePair guess;
+    return compare_surfaces(*piece.surface, *obstacle.surface, place, margin, guess) == SurfacePair::apart;
+  }
+
+  [[nodiscard]] bool meet_inflated(const Piece& inflated, const Pose3& pose, const Piece& other,
+                                   const Pose3& other_pose, double by) const {
+    const Shape3 larger = std::visit(Inflate{by + slack_}, inflated.solid.shape);
+    const Geometry geometry = std::visit(MakeGeometry(), scaled({larger, {}}, scale_).shape);
+    result_.clear();
+    return fcl::collide(geometry.get(), transform(pose, scale_), other.geometry.get(), transform(other_pose, scale_),
+                        request_, result_) > 0;
+  }
 
   /// Returns the report of a motion whose n checked configurations are valid: of a point's, what its segment touches
   /// between them.
@@ -849,10 +880,296 @@ class SpatialFclChecker final : public Checker {
   mutable Configuration q_;
 };
 
+/// A team of bodies: each among the obstacles, and each two against each other. What a body touches of another one is
+/// decided in the frame of that one, whose solids are the obstacles there.
+class SpatialTeamChecker final : public Checker {
+ public:
+  SpatialTeamChecker(std::shared_ptr<const Scene> scene, Space space, double resolution, bool filtered)
+      : scene_(std::move(scene)),
+        robot_(spatial(*scene_).robot),
+        space_(std::move(space)),
+        resolution_(resolution),
+        q_(space_.dimension()) {
+    check_fits(*scene_, space_, resolution_);
+    slack_ = touching_slack(*scene_);
+    const World3& world = spatial(*scene_).world;
+    std::map<const Robot3*, std::shared_ptr<const SpatialFclChecker>> alone;
+    std::map<std::pair<const Robot3*, const Robot3*>, std::shared_ptr<const SpatialFclChecker>> pairs;
+    for (const Robot3::Member& member : robot_.members()) {
+      auto& checker = alone[member.robot.get()];
+      if (!checker) checker = checker_of(world, *member.robot, filtered);
+      bodies_.push_back({&member, checker});
+    }
+    // As large as the world, so that the same gaps count as touching.
+    const double size = scene_->magnitude();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      for (std::size_t k = i + 1; k < bodies_.size(); ++k) {
+        const Robot3& body = *bodies_[i].member->robot;
+        const Robot3& other = *bodies_[k].member->robot;
+        auto& checker = pairs[{&body, &other}];
+        if (!checker) {
+          std::vector<Obstacle3> solids;
+          for (const Solid& solid : other.solids()) {
+            solids.push_back(
+                {fmt::format("shape {} of robot {}", solids.size() + 1, bodies_[k].member->number), solid});
+          }
+          checker = checker_of(
+              World3({{-size, -size, -size}, {size, size, size}}, std::move(solids), Contain::none, world.surface()),
+              body, false);
+        }
+        pairs_.push_back({i, k, body.bounding_radius() + other.bounding_radius(), checker});
+      }
+    }
+    poses_.resize(bodies_.size());
+  }
+
+  [[nodiscard]] bool valid(View q) const override {
+    if (!is_finite(q, robot_.dimension())) return false;
+    place(q);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (!bodies_[i].checker->valid_at(poses_[i])) return false;
+    }
+    return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meet(pair); });
+  }
+
+  [[nodiscard]] MotionReport motion(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
+    const Motions motions(*this, a, b);
+    const std::uint32_t n = configurations_of(robot_.displacement_bound(a, b), resolution_);
+    const Order& order = order_of(n);
+    // By body and index: whether the clearance at another configuration shows that the body is free.
+    const std::size_t row = n + std::size_t{1};
+    free_.assign(bodies_.size() * row, 0);
+    // Pairs that are not apart from each other throughout.
+    place(b);
+    near_.clear();
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      if (gap(pairs_[p]) <= motions.of_pair[p].displacement + slack_) near_.push_back(p);
+    }
+    for (std::uint32_t rank = 0; rank < n; ++rank) {
+      const std::uint32_t index = order.indices[rank];
+      space_.interpolate(a, b, order.share(rank), q_);
+      place(q_);
+      const double gap_to_others = gap_before(rank);
+      for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        char* free = free_.data() + i * row;
+        if (free[index] != 0) continue;
+        const double displacement = motions.of_body[i].displacement;
+        const double sure = bodies_[i].checker->sure_clearance(poses_[i], displacement * gap_to_others);
+        if (sure < 0.0) return {false, rank + 1, order.share(rank)};
+        mark_free(free, n, index, sure, displacement / n);
+      }
+      if (std::any_of(near_.begin(), near_.end(), [&](std::size_t p) { return meet(pairs_[p]); })) {
+        return {false, rank + 1, order.share(rank)};
+      }
+    }
+    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  void certify(View a, View b, Certificate& certificate) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
+      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
+      return;
+    }
+    Motions motions(*this, a, b);
+    Clearances clearances(*this, motions, a, b);
+    const double first =
+        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
+    double displacement = 0.0;
+    for (const SeenMotion& motion : motions.of_body) displacement = std::max(displacement, motion.displacement);
+    for (const SeenMotion& motion : motions.of_pair) displacement = std::max(displacement, motion.displacement);
+    add_motion(certificate, clearances, displacement, first);
+  }
+
+  [[nodiscard]] double clearance(View q) const override {
+    if (!valid(q)) return 0.0;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      best = std::min(best, bodies_[i].checker->clearance_at(poses_[i]));
+    }
+    for (const Pair& pair : pairs_) {
+      if (gap(pair) < best) best = std::min(best, pair.checker->clearance_at(between(pair)));
+    }
+    return best;
+  }
+
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override {
+    std::optional<Proximity> nearest;
+    for (const Body& body : bodies_) {
+      const auto found = body.checker->nearest_obstacle(body.member->own(q));
+      if (!found) continue;
+      const bool before = !nearest || found->distance < nearest->distance ||
+                          (found->distance == nearest->distance && found->obstacle < nearest->obstacle);
+      if (before) nearest = found;
+    }
+    return nearest;
+  }
+
+  [[nodiscard]] std::optional<Contact> contact(View q) const override {
+    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
+    place(q);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (!bodies_[i].checker->valid_at(poses_[i])) return Contact{i, bodies_[i].checker->met_obstacle(poses_[i])};
+    }
+    for (const Pair& pair : pairs_) {
+      if (meet(pair)) return Contact{pair.body, std::nullopt, pair.other};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Body {
+    const Robot3::Member* member;
+    std::shared_ptr<const SpatialFclChecker> checker;  ///< in the world
+  };
+  /// Two bodies. The solids of the second are the obstacles of the checker's world, at its pose 0.
+  struct Pair {
+    std::size_t body;
+    std::size_t other;
+    double reach;  ///< the sum of their bounding radii
+    std::shared_ptr<const SpatialFclChecker> checker;
+  };
+
+  /// The motions of all bodies, and of each two against each other, without the poses.
+  struct Motions {
+    Motions(const SpatialTeamChecker& checker, View a, View b) {
+      for (const Body& body : checker.bodies_) {
+        const Robot3& robot = *body.member->robot;
+        SeenMotion& motion = of_body.emplace_back();
+        motion.whole = body_motion(robot.pose(body.member->own(a)), robot.pose(body.member->own(b)));
+        motion.displacement = robot.displacement_bound(body.member->own(a), body.member->own(b));
+      }
+      for (const Pair& pair : checker.pairs_) {
+        const BodyMotion& body = of_body[pair.body].whole;
+        const BodyMotion& other = of_body[pair.other].whole;
+        const double radius = checker.bodies_[pair.body].member->robot->bounding_radius();
+        SeenMotion& motion = of_pair.emplace_back();
+        // As one sees it who moves with the other body and does not turn.
+        motion.whole = {{}, body.translation - other.translation, body.axis, body.turn};
+        motion.rest = checker.bodies_[pair.other].member->robot->bounding_radius() * other.turn;
+        motion.displacement = norm(motion.whole.translation) + radius * body.turn + motion.rest;
+      }
+    }
+
+    std::vector<SeenMotion> of_body;
+    std::vector<SeenMotion> of_pair;  ///< in the frame of the world
+  };
+
+  /// The distances of all bodies on a motion.
+  class Clearances final : public MotionClearance {
+   public:
+    Clearances(const SpatialTeamChecker& checker, Motions& motions, View a, View b)
+        : checker_(checker), motions_(motions), a_(a), b_(b) {}
+
+    [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
+      unsigned found = 0;
+      for (std::size_t i = 0; i < shares.size(); ++i) {
+        if (apart_at(shares[i], half, margin)) found |= 1U << i;
+      }
+      return found;
+    }
+
+    [[nodiscard]] Near near(double share, double half, double at_most) override {
+      place(share);
+      Near all{at_most, at_most, false};
+      const auto add = [&](const Near& near) {
+        all.distance = std::min(all.distance, near.distance);
+        if (near.sure < all.sure) all.inexact = near.inexact;
+        all.sure = std::min(all.sure, near.sure);
+        return all.distance > 0.0;
+      };
+      for (std::size_t i = 0; i < checker_.bodies_.size(); ++i) {
+        if (!add(checker_.bodies_[i].checker->near_throughout(motions_.of_body[i], half, all.distance))) return all;
+      }
+      for (std::size_t p = 0; p < checker_.pairs_.size(); ++p) {
+        const Pair& pair = checker_.pairs_[p];
+        if (checker_.gap(pair) >= all.distance + half * motions_.of_pair[p].displacement) continue;
+        if (!add(pair.checker->near_throughout(seen(p), half, all.distance))) return all;
+      }
+      return all;
+    }
+
+   private:
+    void place(double share) {
+      checker_.space_.interpolate(a_, b_, share, checker_.q_);
+      checker_.place(checker_.q_);
+      for (std::size_t i = 0; i < checker_.bodies_.size(); ++i) motions_.of_body[i].pose = checker_.poses_[i];
+    }
+
+    bool apart_at(double share, double half, double margin) {
+      place(share);
+      for (std::size_t i = 0; i < checker_.bodies_.size(); ++i) {
+        if (!checker_.bodies_[i].checker->apart_throughout(motions_.of_body[i], half, margin)) return false;
+      }
+      for (std::size_t p = 0; p < checker_.pairs_.size(); ++p) {
+        const Pair& pair = checker_.pairs_[p];
+        if (checker_.gap(pair) > half * motions_.of_pair[p].displacement + margin) continue;
+        if (!pair.checker->apart_throughout(seen(p), half, margin)) return false;
+      }
+      return true;
+    }
+
+    /// The motion of a pair in the frame of its second body, where that is now.
+    [[nodiscard]] SeenMotion seen(std::size_t p) const {
+      const Pair& pair = checker_.pairs_[p];
+      const Quaternion back = checker_.poses_[pair.other].orientation.inverse();
+      SeenMotion motion = motions_.of_pair[p];
+      motion.pose = checker_.between(pair);
+      motion.whole.translation = back(motion.whole.translation);
+      motion.whole.axis = back(motion.whole.axis);
+      return motion;
+    }
+
+    const SpatialTeamChecker& checker_;
+    Motions& motions_;
+    View a_;
+    View b_;
+  };
+
+  [[nodiscard]] std::shared_ptr<const SpatialFclChecker> checker_of(const World3& world, const Robot3& robot,
+                                                                    bool filtered) const {
+    auto scene = std::make_shared<SpatialScene>(world, robot);
+    const Space space = scene->default_space(1.0);
+    return std::make_shared<SpatialFclChecker>(std::move(scene), space, resolution_, filtered);
+  }
+
+  void place(View q) const {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      poses_[i] = bodies_[i].member->robot->pose(bodies_[i].member->own(q));
+    }
+  }
+  /// The distance between the bounding balls of two bodies, at most.
+  [[nodiscard]] double gap(const Pair& pair) const {
+    return norm(poses_[pair.body].position - poses_[pair.other].position) - pair.reach;
+  }
+  /// The pose of the first body in the frame of the second.
+  [[nodiscard]] Pose3 between(const Pair& pair) const { return poses_[pair.other].inverse() * poses_[pair.body]; }
+  [[nodiscard]] bool meet(const Pair& pair) const {
+    return gap(pair) <= slack_ && !pair.checker->valid_at(between(pair));
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  const Robot3& robot_;
+  Space space_;
+  double resolution_;
+  double slack_ = 0.0;
+  std::vector<Body> bodies_;
+  std::vector<Pair> pairs_;
+
+  // Scratch.
+  mutable std::vector<Pose3> poses_;  ///< of the bodies at the configuration placed last
+  mutable std::vector<char> free_;
+  mutable std::vector<std::size_t> near_;
+  mutable Configuration q_;
+};
+
 }  // namespace
 
 std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                               bool filtered) {
+  if (!spatial(*scene).robot.members().empty()) {
+    return std::make_unique<SpatialTeamChecker>(std::move(scene), space, resolution, filtered);
+  }
   return std::make_unique<SpatialFclChecker>(std::move(scene), space, resolution, filtered);
 }
 

@@ -376,14 +376,14 @@ function spaceFrame(b, ratio, width, height) {
 /// The triangles of a world or a robot of space.
 const partsOf = raw => raw.parts3 || (raw.parts3 = space3.surfaces(raw, bytes, numbers));
 /// The pose of each part of a robot of space: of links and joints by forward kinematics.
-const posesOf = (robot, q) => robot.bodies ? space3.bodyPoses(robot, q) : partsOf(robot.surfaces).map(() => poseOf(robot, q));
+const posesOf = (robot, q) => robot.bodies ? space3.bodyPoses(robot, q) : partsOf(robot.surfaces).map((_, i) => poseOf(q, ...(robot.columns ? robot.columns[i] : [0, robot.rotates])));
 const tipOf = (robot, q) => { const [body, ...point] = robot.tip; return space3.placed(space3.bodyPoses(robot, q)[body], point); };
-const poseOf = (robot, q) => ({ position: [q[0], q[1], q[2]], rotation: robot.rotates ? space3.unit([q[3], q[4], q[5], q[6]]) : [0, 0, 0, 1] });
+const poseOf = (q, k, rotates) => ({ position: [q[k], q[k + 1], q[k + 2]], rotation: rotates ? space3.unit([q[k + 3], q[k + 4], q[k + 5], q[k + 6]]) : [0, 0, 0, 1] });
 
 /// The colour of the robot of a team that a body belongs to; null of a robot alone.
 function memberColour(problem, robot, body) {
-  if (!team() || robot !== data.robots[problem.robot] || !robot.bodies) return null;
-  const column = robot.bodies[body].column, member = team().find(m => m.axes.includes(column));
+  if (!team() || robot !== data.robots[problem.robot] || !robot.bodies && !robot.columns) return null;
+  const column = robot.columns ? robot.columns[body][0] : robot.bodies[body].column, member = team().find(m => m.axes.includes(column));
   return member ? member.colour : null;
 }
 
@@ -860,7 +860,7 @@ function drawRun() {
   // As in the figures: the start is filled, a goal is an outline.
   const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', null]);
   for (const [q, name, fill] of [...goals, [problem.start, 'start', colours.ends]]) {
-    if (team() && !frame.space) { drawTeamEnd(problem, robot, q, fill); continue; }
+    if (team() && (!frame.space || robot && robot.columns)) { drawTeamEnd(problem, robot, q, fill); continue; }
     const tip = frame.space && robot && robot.bodies;
     if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
     const [x, y] = tip ? frame.project(...tipOf(robot, q)) : problem.position.length >= 2 ? frame.at(q, { x: problem.position[0], y: problem.position[1], z: problem.position[2] })
@@ -904,7 +904,7 @@ function drawDriven(robot) {
   if (state.along === null || !run.path || !root) return;
   const q = onPath(run.path, root, state.along / 1000);
   const solid = drawRobot(robot, q, { stroke: colours.ink, fill: levelColour(root), fillAlpha: 0.75, width: 1.8 });
-  if (team() && !frame.space) drawNumbers(data.problems[state.scene], q);
+  if (team() && (!frame.space || robot && robot.columns)) drawNumbers(data.problems[state.scene], q);
   if (solid || root.traces[0] !== root) return;
   pen.beginPath();
   pen.arc(...frame.at(q, root).slice(0, 2), 6, 0, 7);

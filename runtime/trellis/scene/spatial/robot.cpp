@@ -39,7 +39,7 @@ struct Inscribed {
 }  // namespace
 
 Robot3::Robot3(std::string name, std::vector<Solid> solids, bool rotates)
-    : name_(std::move(name)), solids_(std::move(solids)), rotates_(rotates) {
+    : name_(std::move(name)), solids_(std::move(solids)), rotates_(rotates), dimension_(rotates ? 7 : 3) {
   if (solids_.empty()) throw Error(fmt::format("robot '{}': it needs at least one shape", name_));
   if (solids_.size() > most_shapes) {
     throw Error(fmt::format("robot '{}': at most {} shapes, got {}", name_, most_shapes, solids_.size()));
@@ -54,9 +54,72 @@ Robot3::Robot3(std::string name, std::vector<Solid> solids, bool rotates)
   }
 }
 
+Robot3 Robot3::team(const std::vector<Robot3>& robots) {
+  std::vector<Member> members;
+  std::size_t column = 0;
+  // Robots of one shape share it: checkers prepare each pair of shapes once.
+  for (const Robot3& robot : robots) {
+    const auto join = [&](const Robot3& one) {
+      if (one.is_point()) {
+        throw Error(
+            fmt::format("robots: robot {} is a point, which nothing can touch; use a small ball", members.size() + 1));
+      }
+      const auto alike = std::find_if(members.begin(), members.end(),
+                                      [&](const Member& other) { return other.robot->same_shape(one); });
+      members.push_back(
+          {alike != members.end() ? alike->robot : std::make_shared<const Robot3>(one), column, members.size() + 1});
+      column += one.dimension();
+    };
+    if (robot.members().empty()) join(robot);
+    for (const Member& member : robot.members()) join(*member.robot);
+  }
+  if (members.size() < 2) throw Error("robots: a team has at least two robots");
+  if (members.size() > most_members) {
+    throw Error(fmt::format("robots: at most {} robots in a team, got {}", most_members, members.size()));
+  }
+  return team_of(std::move(members));
+}
+
+Robot3 Robot3::team_of(std::vector<Member> members) {
+  if (members.size() == 1 && members.front().column == 0) return *members.front().robot;
+  Robot3 team;
+  team.solids_.clear();
+  team.dimension_ = 0;
+  std::vector<std::string> names;
+  for (const Member& member : members) {
+    const Robot3& robot = *member.robot;
+    team.solids_.insert(team.solids_.end(), robot.solids_.begin(), robot.solids_.end());
+    team.rotates_ = team.rotates_ || robot.rotates_;
+    team.dimension_ = std::max(team.dimension_, member.column + robot.dimension_);
+    team.bounding_radius_ = std::max(team.bounding_radius_, robot.bounding_radius_);
+    if (std::find(names.begin(), names.end(), robot.name_) == names.end()) names.push_back(robot.name_);
+  }
+  team.name_ = fmt::format("{} robots ({})", members.size(), fmt::join(names, ", "));
+  team.members_ = std::move(members);
+  return team;
+}
+
+bool Robot3::same_shape(const Robot3& other) const {
+  const auto same = [](const Solid& a, const Solid& b) {
+    return a.shape == b.shape && a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation;
+  };
+  return name_ == other.name_ && rotates_ == other.rotates_ && solids_.size() == other.solids_.size() &&
+         std::equal(solids_.begin(), solids_.end(), other.solids_.begin(), same);
+}
+
 Robot3 Robot3::scaled(double factor) const {
   if (!(factor > 0.0)) {
     throw Error(fmt::format("robot '{}': it cannot be scaled by {}, the factor must be greater than 0", name_, factor));
+  }
+  if (!members_.empty()) {
+    std::map<const Robot3*, std::shared_ptr<const Robot3>> known;
+    std::vector<Member> members = members_;
+    for (Member& member : members) {
+      auto& smaller = known[member.robot.get()];
+      if (!smaller) smaller = std::make_shared<const Robot3>(member.robot->scaled(factor));
+      member.robot = smaller;
+    }
+    return team_of(std::move(members));
   }
   // Solids that share a mesh do so afterwards.
   std::map<const Mesh*, Shape3> meshes;
@@ -76,12 +139,20 @@ Robot3 Robot3::scaled(double factor) const {
 }
 
 Pose3 Robot3::pose(View q) const {
+  if (!members_.empty()) throw Fault("the pose of a team");
   Pose3 result{{q[0], q[1], q[2]}, {}};
   if (rotates_) result.orientation = {q[3], q[4], q[5], q[6]};
   return result;
 }
 
 double Robot3::displacement_bound(View a, View b) const {
+  if (!members_.empty()) {
+    double most = 0.0;
+    for (const Member& member : members_) {
+      most = std::max(most, member.robot->displacement_bound(member.own(a), member.own(b)));
+    }
+    return most;
+  }
   const Pose3 from = pose(a);
   const Pose3 to = pose(b);
   const double turn = rotates_ ? angle_between(from.orientation, to.orientation) : 0.0;

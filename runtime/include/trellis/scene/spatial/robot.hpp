@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,19 @@ namespace trellis {
 
 /// A rigid body that moves freely in space: its solids are given in the frame of its reference point. A configuration
 /// is the reference point's position x, y, z and, where the body rotates, the quaternion x, y, z, w of its orientation.
+/// A team of bodies is a robot too: its configuration is theirs, one after the other.
 class Robot3 {
  public:
+  /// A robot of a team.
+  struct Member {
+    std::shared_ptr<const Robot3> robot;  ///< never a team
+    std::size_t column = 0;               ///< its first coordinate in a configuration of the team
+    std::size_t number = 0;               ///< in messages and scripts, from 1 on
+
+    /// Returns its part of a configuration of the team.
+    [[nodiscard]] View own(View q) const { return q.subspan(column, robot->dimension()); }
+  };
+
   /// A point.
   Robot3() : Robot3("point", {Solid{Sphere{0.0}, {}}}, false) {}
   /// \param rotates  whether configurations have an orientation: SE(3), else R^3
@@ -23,33 +35,49 @@ class Robot3 {
 
   static Robot3 point() { return {}; }
 
+  /// Returns a team: bodies in one world that must not touch each other. A team among them joins with its members.
+  /// \throws Error for less than two robots, more than `most_members`, or a point, which nothing can touch
+  static Robot3 team(const std::vector<Robot3>& robots);
+  /// The members that remain of a team, with the coordinates that they have there and their numbers; a robot alone
+  /// where one remains whose coordinates come first.
+  static Robot3 team_of(std::vector<Member> members);
+  static constexpr std::size_t most_members = 64;
+
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// The robots of a team; none of a robot alone.
+  [[nodiscard]] const std::vector<Member>& members() const { return members_; }
+  /// Its solids; of a team those of all its robots, each in the frame of its own.
   [[nodiscard]] const std::vector<Solid>& solids() const { return solids_; }
+  /// Whether it rotates; of a team whether a robot does.
   [[nodiscard]] bool rotates() const { return rotates_; }
   [[nodiscard]] bool is_point() const { return bounding_radius_ == 0.0; }
-  /// Returns the number of coordinates of a configuration: 3 or 7.
-  [[nodiscard]] std::size_t dimension() const { return rotates_ ? 7 : 3; }
-  /// Returns the robot scaled by `factor` > 0 about its reference point.
+  /// Returns the number of coordinates of a configuration: 3 or 7, of a team their sum.
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  /// Returns the robot scaled by `factor` > 0 about its reference point; of a team each robot about its own.
   [[nodiscard]] Robot3 scaled(double factor) const;
-  /// Returns the largest distance of the robot's points from its reference point.
+  /// Returns the largest distance of the robot's points from its reference point; of a team the largest of its robots'.
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
   /// Returns the radius of the largest ball about the reference point inside one of the robot's solids; 0 for a point,
-  /// and where the reference point lies outside.
+  /// a team, and where the reference point lies outside.
   [[nodiscard]] double inscribed_radius() const { return inscribed_radius_; }
 
-  /// Returns the pose of the body at q.
+  /// Returns the pose of the body at q. Requires a robot alone.
   /// \param q  `dimension` numbers, as a and b below; fewer are undefined behaviour
   [[nodiscard]] Pose3 pose(View q) const;
   /// Returns a bound, in metres, on how far the robot's points move on the shortest motion from a to b: translation
-  /// plus radius times turn.
+  /// plus radius times turn; of a team the largest of its robots'.
   [[nodiscard]] double displacement_bound(View a, View b) const;
 
  private:
+  [[nodiscard]] bool same_shape(const Robot3& other) const;
+
   std::string name_;
   std::vector<Solid> solids_;
   bool rotates_ = false;
+  std::size_t dimension_ = 0;
   double bounding_radius_ = 0.0;
   double inscribed_radius_ = 0.0;
+  std::vector<Member> members_;
 };
 
 }  // namespace trellis

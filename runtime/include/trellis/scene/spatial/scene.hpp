@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -14,7 +15,7 @@
 
 namespace trellis {
 
-/// A world of space and a rigid body that moves freely in it.
+/// A world of space and a rigid body, or a team of them, that moves freely in it.
 class SpatialScene final : public Scene {
  public:
   SpatialScene(World3 w, Robot3 r) : world(std::move(w)), robot(std::move(r)) {}
@@ -34,14 +35,17 @@ class SpatialScene final : public Scene {
   [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
   [[nodiscard]] const std::string& robot_name() const override { return robot.name(); }
   [[nodiscard]] std::size_t robot_dimension() const override { return robot.dimension(); }
-  [[nodiscard]] bool translates() const override { return true; }
+  [[nodiscard]] bool translates() const override { return robot.members().empty(); }
   [[nodiscard]] bool is_point() const override { return robot.is_point(); }
   [[nodiscard]] double bounding_radius() const override { return robot.bounding_radius(); }
   [[nodiscard]] double inscribed_radius() const override { return robot.inscribed_radius(); }
-  [[nodiscard]] std::size_t body_count() const override { return 1; }
+  [[nodiscard]] std::size_t body_count() const override { return std::max<std::size_t>(robot.members().size(), 1); }
   [[nodiscard]] std::string body_name(std::size_t body) const override;
-  /// R^3, or SE(3) where the robot rotates.
+  [[nodiscard]] std::vector<TeamMember> members() const override;
+  /// R^3, or SE(3) where the robot rotates; of a team the product of those of its robots.
   [[nodiscard]] Space default_space(double weight) const override;
+  /// The same, where a radian weighs the bounding radius of the body: so the metric bounds how far its points move.
+  [[nodiscard]] Space own_space() const;
   [[nodiscard]] std::shared_ptr<const Scene> shrunken(double scale) const override;
   [[nodiscard]] std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const override;
   [[nodiscard]] std::shared_ptr<const Scene> of_point() const override;
