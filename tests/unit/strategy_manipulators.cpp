@@ -14,6 +14,7 @@
 #include <trellis/instance/manipulator_kinematics.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/scene/uncoupled.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/spec.hpp>
 
@@ -219,6 +220,34 @@ TEST_CASE("a guide of a tip needs one arm, or the name of a link", "[robot][guid
     CHECK(execute(tip >> GuideSpec::make("team", {{"robots", std::vector<std::string>{"2"}}}) >> planner, problem, 1)
               .solved);
   }
+}
+
+TEST_CASE("two arms that are uncoupled are valid where each of them is alone", "[robot][team]") {
+  const SphereModel team =
+      SphereModel::team({six_arm().based_at({{-0.3, 0, 0}, {}}), six_arm().based_at({{0.3, 0, 0}, {}})});
+  const Problem problem = problem_of(world_with({ball({0.0, 0.6, 0.7}, 0.15)}), team);
+  const auto apart = uncoupled(*problem.scene, {{1, 2}});
+  REQUIRE(apart);
+  const auto checker_of = [&](const std::shared_ptr<const Scene>& scene, std::size_t from, std::size_t to) {
+    const std::vector<Axis>& axes = problem.space.axes();
+    const auto at = [&](std::size_t i) { return axes.begin() + static_cast<std::ptrdiff_t>(i); };
+    return make_checker(problem.collision, scene, Space("arms", std::vector<Axis>(at(from), at(to))), 0.05);
+  };
+  const auto coupled = checker_of(problem.scene, 0, 12), passing = checker_of(apart, 0, 12);
+  const auto first = checker_of(problem.scene->reduced({0, 1, 2, 3, 4, 5}), 0, 6);
+  const auto second = checker_of(problem.scene->reduced({6, 7, 8, 9, 10, 11}), 6, 12);
+  Stream stream(1, "uncoupled", "configurations");
+  Configuration q(12);
+  int touching = 0, invalid = 0;
+  for (int i = 0; i < 3000; ++i) {
+    problem.space.sample_uniform(stream, q);
+    const bool alone = first->valid(View(q).first(6)) && second->valid(View(q).subspan(6));
+    CHECK(passing->valid(q) == alone);
+    if (!coupled->valid(q) && alone) ++touching;
+    invalid += alone ? 0 : 1;
+  }
+  CHECK(touching > 100);
+  CHECK(invalid > 100);
 }
 
 TEST_CASE("a guide searches its space for an arm with two trees, unless it or a script names a planner",
