@@ -38,6 +38,15 @@ void point_at(const Space& space, const Configurations& path, const std::vector<
   space.interpolate(path[i], path[i + 1], span > 0.0 ? std::clamp((at - lengths[i]) / span, 0.0, 1.0) : 0.0, out);
 }
 
+/// The nearest of the points within a radius; none if there is none.
+std::optional<NearestIndex::Neighbour> nearest_within(const NearestIndex& index, View q, double radius,
+                                                      std::vector<NearestIndex::Neighbour>& found) {
+  index.within(q, radius, found);
+  const auto nearest = std::min_element(
+      found.begin(), found.end(), [](const auto& a, const auto& b) { return a.squared_distance < b.squared_distance; });
+  return nearest != found.end() ? std::optional(*nearest) : std::nullopt;
+}
+
 /// Two configurations count as equal if they are nearer than this share of a step.
 constexpr double meeting = 1e-6;
 
@@ -99,20 +108,20 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
     return true;
   };
   Configuration moved(dimension);
+  std::vector<NearestIndex::Neighbour> near;
   std::size_t side = 0;
   while (next[0] <= next[1] && next[1] > 0) {
     const std::size_t at = next[side];
     point_at(s_, path, lengths, piece * static_cast<double>(at), s);
     const double reuse = 0.25 * spacing_;
-    const auto known = known_.size() > 0 ? known_.nearest(s) : NearestIndex::Neighbour{0, 2.0 * reuse * reuse};
     bool valid = false;
-    if (known_.size() > 0 && known.squared_distance <= reuse * reuse) {
-      const View waypoint = std::as_const(waypoints_)[known.id];
-      if (usable_[known.id] != 0 && checked_at_[known.id] != parent.epoch()) {
-        usable_[known.id] = parent.motion_still_valid(waypoint, waypoint, checked_at_[known.id]) ? 1 : 0;
-        checked_at_[known.id] = parent.epoch();
+    if (const auto known = nearest_within(known_, s, reuse, near)) {
+      const View waypoint = std::as_const(waypoints_)[known->id];
+      if (usable_[known->id] != 0 && checked_at_[known->id] != parent.epoch()) {
+        usable_[known->id] = parent.motion_still_valid(waypoint, waypoint, checked_at_[known->id]) ? 1 : 0;
+        checked_at_[known->id] = parent.epoch();
       }
-      valid = usable_[known.id] != 0;
+      valid = usable_[known->id] != 0;
       if (valid) q.assign(waypoint.begin(), waypoint.end());
     } else {
       const double onward = piece * (static_cast<double>(at) + (side == 0 ? 1.0 : -1.0));

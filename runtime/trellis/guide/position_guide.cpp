@@ -50,7 +50,8 @@ void PositionGuide::begin(const Instance& parent, Instance& instance, std::share
 void PositionGuide::learn(const Outcome& outcome) {
   if (outcome.added.empty() || !outcome.connected) return;
   if (lifts_) nodes_.add(outcome.added, outcome.from_goal);
-  Configuration position(projection_->space().dimension());
+  thread_local Configuration position;
+  position.resize(projection_->space().dimension());
   projection_->project(outcome.added, position);
   reached_->add(position);
 }

@@ -62,6 +62,10 @@ class GraphSearch final : public GraphPlanner {
   void dijkstra(const Graph& graph, Tree& tree) {
     auto& [parent, done] = tree;
     std::vector<double> distance(graph.vertices.size(), std::numeric_limits<double>::infinity());
+    // Beside each other they are in the caches: the search would read one from memory for each edge.
+    costs_.clear();
+    costs_.reserve(graph.edges.size());
+    for (const Graph::Edge& edge : graph.edges) costs_.push_back(edge.cost);
     using Entry = std::pair<double, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     distance[graph.start] = 0.0;
@@ -73,7 +77,9 @@ class GraphSearch final : public GraphPlanner {
       done[v] = 1;
       for (const auto& [e, next] : evaluated_.incident(v)) {
         evaluated_.record(e);
-        const double to = d + cost(e);
+        // No cost is negative.
+        if (done[next] != 0) continue;
+        const double to = d + costs_[e] * evaluated_.edge_factor(e);
         if (to < distance[next]) {
           distance[next] = to;
           parent[next] = e;
@@ -188,6 +194,7 @@ class GraphSearch final : public GraphPlanner {
 
   std::optional<Verifying> paused_;  ///< the search of an unverified graph until it ends
   Tree ended_;                       ///< of the search that has ended
+  std::vector<double> costs_;        ///< of the edges of a verified graph
 };
 
 }  // namespace

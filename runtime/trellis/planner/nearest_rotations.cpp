@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -51,6 +52,25 @@ inline Quad spread(float x) { return Quad{x, x, x, x}; }
 inline Quad outside(const Quad& lo, const Quad& hi, const Quad& x) {
   const Quad d = positive(lo - x) + positive(x - hi);
   return d * d;
+}
+
+/// Whether four numbers are all greater than `most`.
+inline bool all_above(const float* from, float most) {
+  const QuadMask above = load(from) > spread(most);
+  std::array<std::uint64_t, 2> halves;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+  static_assert(sizeof halves == sizeof above);
+  std::memcpy(halves.data(), &above, sizeof above);
+  return (halves[0] & halves[1]) == ~std::uint64_t{0};
+}
+/// The place of the first of the least numbers.
+inline std::size_t place_of_least(const std::array<float, bucket>& numbers) {
+  Quad lanes = load(numbers.data());
+  for (std::size_t i = quad; i < bucket; i += quad) lanes = lesser(load(numbers.data() + i), lanes);
+  const float least = std::min(std::min(lanes[0], lanes[1]), std::min(lanes[2], lanes[3]));
+  std::size_t place = 0;
+  while (place < bucket && all_above(numbers.data() + place, least)) place += quad;
+  while (place < bucket && numbers[place] > least) ++place;
+  return place < bucket ? place : 0;
 }
 
 using EmbeddedRow = std::vector<float>;
@@ -409,15 +429,16 @@ class RotationIndex final : public NearestIndex::Implementation {
     // A distance in floats that is greater is also greater than limit(), whatever rounding did.
     double last = -1.0;
     float most = 0.0F;
-    const auto too_far = [&](float squared) {
+    const auto farthest = [&] {
       if (const double now = limit(); now != last) {
         last = now;
         const double reach = std::sqrt(now) + rounding;
         const double squared_reach = relative_ * reach * reach;
         most = squared_reach < std::numeric_limits<float>::max() ? static_cast<float>(squared_reach) : infinity;
       }
-      return squared > most;
+      return most;
     };
+    const auto too_far = [&](float squared) { return squared > farthest(); };
     waiting.assign(1, {0.0F, 0});
     while (!waiting.empty()) {
       const auto [distance, at] = waiting.back();
@@ -436,12 +457,15 @@ class RotationIndex final : public NearestIndex::Implementation {
             continue;
           }
           // The point with the least bound first: it excludes most of the others.
-          const auto first = static_cast<std::size_t>(
-              std::min_element(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count)) - bounds.begin());
+          std::fill(bounds.begin() + static_cast<std::ptrdiff_t>(count), bounds.end(), infinity);
+          const std::size_t first = place_of_least(bounds);
           if (too_far(bounds[first])) continue;
           offer_point(begin + first);
-          for (std::size_t i = 0; i < count; ++i) {
-            if (i != first && !too_far(bounds[i])) offer_point(begin + i);
+          for (std::size_t i = 0; i < count; i += quad) {
+            if (all_above(bounds.data() + i, farthest())) continue;
+            for (std::size_t k = i; k < std::min(count, i + quad); ++k) {
+              if (k != first && !too_far(bounds[k])) offer_point(begin + k);
+            }
           }
         }
         continue;

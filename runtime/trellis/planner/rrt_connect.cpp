@@ -131,7 +131,8 @@ class RrtConnect final : public TreePlanner {
     record_outcome(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
     if (step.fate == Fate::rejected && !step.there) return;
     const View q = (*trees_[side])[step.added];
-    connect(side, step.added, Configuration(q.begin(), q.end()));
+    met_.assign(q.begin(), q.end());
+    connect(side, step.added, met_);
   }
 
   [[nodiscard]] Solution finish(Status status) const override {
@@ -267,6 +268,7 @@ class RrtConnect final : public TreePlanner {
   bool repairing_ = false;  ///< active after a change of the instance
   std::optional<Bridge> bridge_;
   std::size_t last_ = 1;  ///< tree that the last proposal extended
+  Configuration met_;     ///< where the other tree is to meet it
 };
 
 }  // namespace

@@ -206,7 +206,7 @@ Advance Level::end_solve() {
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;
   found_ = found.solved();
-  if (found_) guidance_.found(path_length(instance_->space, found.path));
+  if (found_) guidance_.found([&] { return path_length(instance_->space, found.path); });
   const auto drawn = static_cast<double>(record_.search.proposals.size());
   const bool sliced = paused || (drawn >= sliced_ && drawn < whole_);
   const Advance advance = found_                                           ? Advance::found

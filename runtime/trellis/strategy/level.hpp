@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -215,6 +216,10 @@ class LevelGuidance final : public Guidance {
     if (path_found_) path_found_(length);
     if (guide_ != nullptr) guide_->found(length);
   }
+  /// The same, without the length where nothing asks for it.
+  template <class Length>
+  requires std::invocable<Length>
+  void found(const Length& length) { found(path_found_ || guide_ != nullptr ? length() : 0.0); }
   /// The path that the planner has found is not valid.
   void refuted() { has_path_ = false; }
   /// Sets a function that receives the length of each path that the level's planner finds.
