@@ -106,6 +106,7 @@ class ProblemUncoupled {
     std::stable_sort(of_all.begin(), of_all.end(),
                      [](const Test& a, const Test& b) { return a.strategy < b.strategy; });
     std::vector<Uncoupled> found;
+    found.reserve(of_all.size());
     for (Test& test : of_all) {
       found.push_back({problem_.name, experiment_.strategies[test.strategy].first, std::move(test.robots),
                        std::move(test.costs), std::move(test.touching)});

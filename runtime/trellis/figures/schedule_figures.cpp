@@ -174,6 +174,7 @@ TeamProgress progress_of(const Problem& problem, const Configurations& path) {
     progress.numbers.push_back(member.number);
     const Space own = space_of(problem.space, member);
     std::vector<double>& distance = progress.distance.emplace_back();
+    distance.reserve(path.size());
     Configuration before(member.axes.size()), here(member.axes.size());
     for (std::size_t i = 0; i < path.size(); ++i) {
       for (std::size_t j = 0; j < here.size(); ++j) here[j] = path[i][member.axes[j]];
@@ -190,6 +191,7 @@ ContactRegion contact_region(const Problem& problem, const Configurations& path,
   const std::vector<std::size_t> axes = axes_of(members, {first, second});
   const auto scene = axes.size() == problem.space.dimension() ? problem.scene : problem.scene->reduced(axes);
   std::vector<Axis> own;
+  own.reserve(axes.size());
   for (const std::size_t axis : axes) own.push_back(problem.space.axes()[axis]);
   const auto checker = make_checker(problem.collision, scene, Space("pair", own), problem.resolution);
   const RobotsPath one = own_path(problem, members[first], path);

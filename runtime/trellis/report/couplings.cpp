@@ -15,9 +15,10 @@ namespace trellis {
 
 namespace {
 
-bool holds(const std::vector<std::size_t>& robots, const std::vector<std::size_t>& some) {
+/// Whether all of `some` are in a group.
+bool holds(const std::vector<std::size_t>& group, const std::vector<std::size_t>& some) {
   return std::all_of(some.begin(), some.end(),
-                     [&](std::size_t robot) { return std::find(robots.begin(), robots.end(), robot) != robots.end(); });
+                     [&](std::size_t robot) { return std::find(group.begin(), group.end(), robot) != group.end(); });
 }
 
 /// Whether a conflict is one of these robots. Where it is not known which robots touch, it is one of all of it.

@@ -327,9 +327,12 @@ std::string couplings_table(const Row& row, std::size_t width, std::size_t most)
   }
   std::string out = wrap("Who needs coordination? " + row.equation(), width, "", "  ") + table.text(width);
   std::map<std::string, std::size_t> counts;
-  for (std::size_t i = shown; i < rows.size(); ++i) ++counts[coupling_text(*rows[i])];
+  for (std::size_t i = shown; i < rows.size(); ++i) {
+    const std::string text = coupling_text(*rows[i]);
+    ++counts[text.substr(0, text.find(" ("))];
+  }
   for (const auto& [text, count] : counts) {
-    out += wrap(fmt::format("and {} more: {}", plural(count, "pair"), text), width, "  ", "  ");
+    out += wrap(fmt::format("and {} more: {}", plural(count, "row"), text), width, "  ", "  ");
   }
   if (rows.back()->verdict.kind == Verdict::Kind::not_tested) {
     out += wrap("--ablation allows more work for what was not tested", width, "  ", "  ");
