@@ -18,6 +18,7 @@
 #include <trellis/guide/team_space.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/team_times.hpp>
+#include <trellis/scene/uncoupled.hpp>
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
@@ -144,6 +145,28 @@ void check_path(const Problem& problem, const Configurations& path) {
 }
 
 }  // namespace
+
+TEST_CASE("robots of a team in space that are uncoupled pass through each other, and no others", "[strategy][team]") {
+  const Problem problem =
+      problem_of("three", World3({{0, 0, 0}, {6, 6, 6}}, {}), Robot3::team({ball(0.5), plank(), ball(0.5)}), {}, {});
+  const auto valid = [&](const std::shared_ptr<const Scene>& scene, const Configuration& q) {
+    return make_checker("fcl", scene, problem.space, 0.05)->valid(q);
+  };
+  const Configuration first_two = {1, 1, 1, 1.2, 1, 1, 0, 0, 0, 1, 4, 4, 4};
+  const Configuration last_two = {1, 1, 1, 4.2, 4, 4, 0, 0, 0, 1, 4, 4, 4};
+  CHECK_FALSE(valid(problem.scene, first_two));
+  CHECK_FALSE(valid(problem.scene, last_two));
+  const auto apart = uncoupled(*problem.scene, {{2, 1}});
+  REQUIRE(apart);
+  CHECK(valid(apart, first_two));
+  CHECK_FALSE(valid(apart, last_two));
+  // What guides make of the team keeps it: smaller robots, and the team without robot 3.
+  CHECK(
+      valid(std::make_shared<const SpatialScene>(spatial(*apart).world, spatial(*apart).robot.scaled(0.9)), first_two));
+  const Robot3& team = spatial(*apart).robot;
+  CHECK_FALSE(team.scaled(0.5).are_coupled(1, 2));
+  CHECK(team.scaled(0.5).are_coupled(1, 3));
+}
 
 TEST_CASE("the space of a team in space is the product of those of its bodies", "[team][space]") {
   const Problem problem = mixed();

@@ -6,6 +6,7 @@
 
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
 
@@ -59,6 +60,9 @@ std::shared_ptr<const Scene> uncoupled(const Scene& scene, const std::vector<Rob
   }
   if (const ManipulatorScene* manipulator = scene.manipulator()) {
     return std::make_shared<ManipulatorScene>(manipulator->world, uncoupled(manipulator->robot, pairs));
+  }
+  if (const SpatialScene* bodies = scene.spatial(); bodies != nullptr && !bodies->robot.members().empty()) {
+    return std::make_shared<SpatialScene>(bodies->world, bodies->robot.uncoupled(pairs));
   }
   return nullptr;
 }

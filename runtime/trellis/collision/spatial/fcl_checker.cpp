@@ -904,6 +904,7 @@ class SpatialTeamChecker final : public Checker {
     const double size = scene_->magnitude();
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       for (std::size_t k = i + 1; k < bodies_.size(); ++k) {
+        if (!robot_.are_coupled(bodies_[i].member->number, bodies_[k].member->number)) continue;
         const Robot3& body = *bodies_[i].member->robot;
         const Robot3& other = *bodies_[k].member->robot;
         auto& checker = pairs[{&body, &other}];

@@ -99,6 +99,17 @@ Robot3 Robot3::team_of(std::vector<Member> members) {
   return team;
 }
 
+Robot3 Robot3::uncoupled(std::vector<std::pair<std::size_t, std::size_t>> pairs) const {
+  Robot3 team = *this;
+  team.passing_ = std::move(pairs);
+  return team;
+}
+
+bool Robot3::are_coupled(std::size_t one, std::size_t other) const {
+  return std::none_of(passing_.begin(), passing_.end(),
+                      [&](const auto& pair) { return pair == std::pair(one, other) || pair == std::pair(other, one); });
+}
+
 bool Robot3::same_shape(const Robot3& other) const {
   const auto same = [](const Solid& a, const Solid& b) {
     return a.shape == b.shape && a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation;
@@ -119,7 +130,7 @@ Robot3 Robot3::scaled(double factor) const {
       if (!smaller) smaller = std::make_shared<const Robot3>(member.robot->scaled(factor));
       member.robot = smaller;
     }
-    return team_of(std::move(members));
+    return team_of(std::move(members)).uncoupled(passing_);
   }
   // Solids that share a mesh do so afterwards.
   std::map<const Mesh*, Shape3> meshes;

@@ -142,7 +142,7 @@ std::shared_ptr<const Scene> SpatialScene::reduced(const std::vector<std::size_t
                     static_cast<std::size_t>(place), member.number});
   }
   if (left.empty()) return nullptr;
-  return std::make_shared<SpatialScene>(world, Robot3::team_of(std::move(left)));
+  return std::make_shared<SpatialScene>(world, Robot3::team_of(std::move(left)).uncoupled(robot.passing()));
 }
 
 std::shared_ptr<const Scene> SpatialScene::eroded(double distance) const {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -42,10 +43,19 @@ class Robot3 {
   /// where one remains whose coordinates come first.
   static Robot3 team_of(std::vector<Member> members);
   static constexpr std::size_t most_members = 64;
+  /// Returns the team in which the two robots of each of some pairs pass through each other, and so in all that is made
+  /// of it.
+  /// \param pairs  of numbers (Member::number); those of robots that are not in the team are ignored
+  [[nodiscard]] Robot3 uncoupled(std::vector<std::pair<std::size_t, std::size_t>> pairs) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// The robots of a team; none of a robot alone.
   [[nodiscard]] const std::vector<Member>& members() const { return members_; }
+  /// The pairs of robots of a team that pass through each other, by their numbers.
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& passing() const { return passing_; }
+  /// Whether two robots of the team must not touch each other.
+  /// \param one  a number (Member::number), as `other`
+  [[nodiscard]] bool are_coupled(std::size_t one, std::size_t other) const;
   /// Its solids; of a team those of all its robots, each in the frame of its own.
   [[nodiscard]] const std::vector<Solid>& solids() const { return solids_; }
   /// Whether it rotates; of a team whether a robot does.
@@ -78,6 +88,7 @@ class Robot3 {
   double bounding_radius_ = 0.0;
   double inscribed_radius_ = 0.0;
   std::vector<Member> members_;
+  std::vector<std::pair<std::size_t, std::size_t>> passing_;
 };
 
 }  // namespace trellis
