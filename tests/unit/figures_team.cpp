@@ -20,6 +20,7 @@
 #include <trellis/report/experiment_summary.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
+#include "report_fixture.hpp"
 #include "report_folder.hpp"
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
