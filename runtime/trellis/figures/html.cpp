@@ -582,7 +582,7 @@ using Schedules = std::vector<std::vector<std::string>>;
 Schedules schedules_of(const Experiment& experiment, const ExperimentResult& result) {
   Schedules schedules;
   for (const Problem& problem : experiment.problems) {
-    std::vector<std::string>& of = schedules.emplace_back();
+    std::vector<std::string> of;
     for (const auto& entry : experiment.strategies) {
       of.emplace_back();
       for (const RunResult* run : select_runs(result, problem.name, entry.first)) {
@@ -593,6 +593,7 @@ Schedules schedules_of(const Experiment& experiment, const ExperimentResult& res
         break;
       }
     }
+    schedules.push_back(std::move(of));
   }
   return schedules;
 }

@@ -110,13 +110,15 @@ SceneFile read_fibration_trees(const SourceText& text, const ReadOptions& option
     discs = discs_of(file.at("robots"));
     const std::size_t count = 2 * discs.size();
     const YamlEntry problem = file.at("problem");
-    for (const auto& [name, end] : {std::pair{"start", &start}, std::pair{"goal", &goal}}) {
+    const auto read_end = [&](const char* name, Configuration& end) {
       errors.attempt([&] {
         const YamlEntry given = problem.at(name);
         given.at("type").require("joint");
-        *end = given.at("config").numbers(count, "x, y of each robot");
+        end = given.at("config").numbers(count, "x, y of each robot");
       });
-    }
+    };
+    read_end("start", start);
+    read_end("goal", goal);
   });
   errors.raise();
 
