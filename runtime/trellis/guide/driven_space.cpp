@@ -17,7 +17,8 @@ namespace trellis {
 /// Where a configuration of the space places its robots.
 class DrivenSpace::Placement {
  public:
-  Placement(const Instance& team, std::vector<DrivenPath> along, std::vector<std::size_t> robots, std::string name)
+  Placement(const Instance& team, std::vector<DrivenPath> along, std::vector<std::size_t> robots,
+            const std::string& name)
       : along_(std::move(along)), robots_(std::move(robots)), start_(team.start), team_(team.space) {
     const TeamModel& model = *team_model(*team.motion_model);
     model_holder_ = team.motion_model;
@@ -257,8 +258,8 @@ class DrivenValidity final : public Validity {
 }  // namespace
 
 DrivenSpace::DrivenSpace(const Instance& parent, std::vector<DrivenPath> along, std::vector<std::size_t> robots,
-                         std::string name)
-    : placement_(std::make_shared<const Placement>(parent, std::move(along), std::move(robots), std::move(name))) {}
+                         const std::string& name)
+    : placement_(std::make_shared<const Placement>(parent, std::move(along), std::move(robots), name)) {}
 
 std::unique_ptr<Instance> DrivenSpace::project(const Instance& parent) {
   const Placement& placement = *placement_;

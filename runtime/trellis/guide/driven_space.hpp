@@ -33,7 +33,8 @@ class DrivenSpace final : public Guide {
   /// \param along   motions of robots, none twice
   /// \param robots  the other robots of this space, ascending
   /// \param name    of the space
-  DrivenSpace(const Instance& parent, std::vector<DrivenPath> along, std::vector<std::size_t> robots, std::string name);
+  DrivenSpace(const Instance& parent, std::vector<DrivenPath> along, std::vector<std::size_t> robots,
+              const std::string& name);
 
   std::unique_ptr<Instance> project(const Instance& parent) override;
   void project(View q, MutableView s) const override;

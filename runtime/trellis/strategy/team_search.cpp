@@ -452,6 +452,7 @@ class TeamSearch final : public Planner {
 
   [[nodiscard]] std::vector<std::size_t> numbers_of(const std::vector<std::size_t>& robots) const {
     std::vector<std::size_t> numbers;
+    numbers.reserve(robots.size());
     for (const std::size_t i : robots) numbers.push_back(members_[i].number);
     return numbers;
   }
