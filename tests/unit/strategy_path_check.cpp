@@ -2,6 +2,7 @@
 // A path is certified before it is reported; one that is refuted is not reported, and the search continues.
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -73,6 +74,32 @@ TEST_CASE("a guided search continues where its path was refuted", "[executor][pa
     all += refuted(GuideSpec::make(kind.component->name, {}) >> rrt(), problem, 2);
   }
   CHECK(all > 0);
+}
+
+TEST_CASE("a space that shares motions with the root certifies them, too, once the root does",
+          "[executor][path_check]") {
+  Problem problem = test::trap_problem();
+  problem.resolution = 0.8;
+  const auto planner = [] { return PlannerSpec::make("rrt_connect", {{"bound", 0.0}, {"proposals", 20000.0}}); };
+  const auto shrink = [] { return GuideSpec::make("shrink", {{"scale", 0.9}}); };
+  const std::vector<StrategySpec> strategies = {shrink() >> planner(),
+                                                GuideSpec::make("skeleton", {}) >> shrink() >> planner(),
+                                                shrink() >> shrink() >> planner(),
+                                                shrink() >> GuideSpec::make("lazy", {}) >> planner(),
+                                                GuideSpec::make("lazy", {}) >> shrink() >> planner(),
+                                                GuideSpec::make("identity", {}) >> planner()};
+  std::uint64_t most = 0;
+  for (const StrategySpec& strategy : strategies) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const RunRecord run = execute(strategy, problem, seed);
+      INFO(strategy.text() << ", seed " << seed);
+      // The fifth refutation makes the root certify its motions: then only what lies within the tolerance differs.
+      CHECK(run.refuted_paths <= 5);
+      most = std::max(most, run.refuted_paths);
+      CHECK(run.solved);
+    }
+  }
+  CHECK(most == 5);
 }
 
 TEST_CASE("a path that is refuted when all proposals are spent leaves the next best one", "[executor][path_check]") {

@@ -119,6 +119,7 @@ class ExcludingValidity final : public EvaluatedValidity {
   [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override;
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
+  [[nodiscard]] std::shared_ptr<Validity> checking() const override { return trellis::checking(inner_); }
   [[nodiscard]] double effort_factor(View a, View b) const override { return inner_->effort_factor(a, b); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return inner_->nearest_obstacle(q); }

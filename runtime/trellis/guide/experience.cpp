@@ -354,6 +354,7 @@ class Experience final : public PathGuide {
       for (const std::uint32_t e : edge_path) {
         if (edges_[e].seen != Seen::valid) continue;
         const auto& points = std::as_const(graph_->edges[e].points);
+        if (parent.validity->enters_excluded(points.front(), points.back())) continue;
         parent.verified->add(points.front(), points.back());
       }
     }

@@ -83,8 +83,10 @@ const Settings<LazySettings>& lazy_settings() {
 class PresumedValidity final : public EvaluatedValidity {
  public:
   /// \param verified  edges of this space that were found valid in C
-  PresumedValidity(const Space& space, double margin, double effort, std::shared_ptr<const VerifiedMotions> verified)
-      : unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)) {
+  /// \param checking  in C
+  PresumedValidity(const Space& space, double margin, double effort, std::shared_ptr<const VerifiedMotions> verified,
+                   std::shared_ptr<Validity> checking)
+      : unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)), checking_(std::move(checking)) {
     for (double radius = margin; sizes_.size() < sizes; radius *= 2.0) sizes_.emplace_back(space, radius);
   }
 
@@ -117,6 +119,7 @@ class PresumedValidity final : public EvaluatedValidity {
     return verified_->contain(a, b) ? 1.0 : unverified_;
   }
   [[nodiscard]] bool spends_checks() const override { return false; }
+  [[nodiscard]] std::shared_ptr<Validity> checking() const override { return checking_; }
   /// All configurations within a ball are invalid, so another space that presumes this one valid may exclude the same
   /// ball.
   [[nodiscard]] double invalid_radius(View q) override {
@@ -143,6 +146,7 @@ class PresumedValidity final : public EvaluatedValidity {
 
   double unverified_;
   std::shared_ptr<const VerifiedMotions> verified_;
+  std::shared_ptr<Validity> checking_;
   std::vector<ExcludedBalls> sizes_;  ///< in order of radius, each twice the radius before it
   std::vector<Counts> counts_;        ///< for each ball in the order added: the number of balls of each size before it
   EdgeEvaluator* evaluator_ = nullptr;
@@ -171,7 +175,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     // The guide of the search of S may also verify motions.
     instance->verified = verified_;
     // In a changed world, configurations that were invalid may be valid.
-    validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, evaluated_);
+    validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, evaluated_,
+                                                   checking(parent.validity));
     found_invalid_ = Configurations(parent.space.dimension());
     left_.emplace(parent.space, parent.position_axes, 0.5 * characteristic_length(parent));
     checked_ = parent.validity;

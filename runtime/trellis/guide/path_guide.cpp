@@ -331,7 +331,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   relaxed_ = nullptr;
   if (relaxes() && instance->validity->spends_checks() && !parent.motion_model) {
     relaxed_ = std::make_shared<RelaxedValidity>(
-        instance->validity, parent.validity->spends_checks() ? parent.validity : parent.validity_in(parent.scene));
+        instance->validity, parent.validity->spends_checks() ? parent.validity : checking(parent.validity));
     instance->validity = relaxed_;
     instance->shared_resolution = parent.resolution;
   }

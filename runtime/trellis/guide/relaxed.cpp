@@ -39,7 +39,7 @@ bool RelaxedValidity::valid_in_c(View a, View b) {
     valid_.clear();
     states_.clear();
   }
-  return valid_.contains(motion_digest(a, b));
+  return valid_.contains(motion_digest(a, b)) && !c_->enters_excluded(a, b);
 }
 
 }  // namespace trellis

@@ -33,6 +33,7 @@ class RelaxedValidity final : public Validity {
   }
   [[nodiscard]] double clearance(View q) override { return own_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return own_->spends_checks(); }
+  [[nodiscard]] std::shared_ptr<Validity> checking() const override { return trellis::checking(own_); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return own_->contact(q); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return own_->nearest_obstacle(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return own_->epoch(); }

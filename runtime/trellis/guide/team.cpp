@@ -204,7 +204,11 @@ class TeamPath final : public PathGuide {
     if (found->solved() && parent.validity->spends_checks()) {
       if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
       parent.verified->hold_at(parent.epoch());
-      for (std::size_t i = 0; i + 1 < found->path.size(); ++i) parent.verified->add(found->path[i], found->path[i + 1]);
+      for (std::size_t i = 0; i + 1 < found->path.size(); ++i) {
+        const View from = found->path[i];
+        const View to = found->path[i + 1];
+        if (!parent.validity->enters_excluded(from, to)) parent.verified->add(from, to);
+      }
     }
     auto along = PathGuide::heuristic(parent, sub, found);
     if (!found->solved() || found->trajectory.steps.empty()) return along;

@@ -21,7 +21,8 @@ class CertifiedValidity final : public Validity {
   [[nodiscard]] MotionReport motion(View a, View b) override {
     MotionReport report = inner_->motion(a, b);
     if (!report.valid) return report;
-    Certificate certificate{tolerance_};
+    // Only whether it is free of contact is asked: no distance above the tolerance is needed.
+    Certificate certificate{.tolerance = tolerance_, .nearest = tolerance_};
     inner_->certify(a, b, certificate);
     report.checks += static_cast<std::uint32_t>(certificate.checks);
     if (certificate.valid()) return report;

@@ -7,10 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include <trellis/guide/excluded.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/set_up.hpp>
-#include <trellis/instance/certified_validity.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
@@ -229,25 +227,8 @@ Advance Level::end_solve() {
   return advance;
 }
 
-void Level::refute(View invalid, const std::shared_ptr<Validity>& validity, double tolerance) {
-  // As many paths are refuted before the resolution counts as too coarse for the world.
-  constexpr std::uint64_t at_most = 4;
-  Instance& instance = *instance_;
-  const std::uint64_t epoch = instance.epoch();
-  if (++record_.resolves.refuted_path > at_most) {
-    instance.validity = std::make_shared<CertifiedValidity>(validity, tolerance);
-  } else {
-    // Start and goals remain valid.
-    const double nearest = std::min(instance.space.distance(invalid, instance.start), instance.to_goal(invalid));
-    const auto excluding = std::make_shared<ExcludingValidity>(instance.validity, instance.space,
-                                                               std::min(0.25 * instance.resolution, 0.5 * nearest));
-    Configurations points(instance.space.dimension());
-    points.push(invalid);
-    excluding->exclude_points(points);
-    instance.validity = excluding;
-  }
-  // Earlier epochs are those of another validity.
-  instance.revision = epoch + 1;
+void Level::refute() {
+  ++record_.resolves.refuted_path;
   found_ = false;
   record_.solution = {};
   guidance_.refuted();

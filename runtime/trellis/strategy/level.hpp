@@ -448,13 +448,9 @@ class Level {
   /// Replaces the instance by a new projection of the parent's. The search keeps its valid part.
   void replace_instance(std::unique_ptr<Instance> instance);
 
-  /// Refutes the path found, because its certificate failed at a configuration. The next solve finds another path and
-  /// keeps the nodes of the search whose motions do not pass by that configuration; a ball about it, of at most a
-  /// quarter of the resolution, is excluded. After a few refutations the resolution is too coarse for the world: the
-  /// level then certifies each of its motions, those of the present search included. \param invalid  a configuration of
-  /// the level's space \param validity  of the level's space, without the exclusions \param tolerance  metres, see
-  /// Certificate::tolerance
-  void refute(View invalid, const std::shared_ptr<Validity>& validity, double tolerance);
+  /// Refutes the path found, because its certificate failed. The next solve finds another path, and keeps what of the
+  /// search its validity, which the caller has revised, still allows.
+  void refute();
 
   /// Completes the record after the run and moves it out, except for its key.
   /// \param lift  see ExecuteOptions

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include <trellis/guide/excluded.hpp>
+#include <trellis/instance/certified_validity.hpp>
 #include <trellis/instance/half_turns.hpp>
 #include <trellis/instance/path_fault.hpp>
+#include <trellis/instance/revisable_validity.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
 
@@ -89,7 +93,10 @@ class RootSearch {
       : run_(run),
         problem_(problem),
         root_(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr),
-        check_path_(problem, root_.instance()) {}
+        check_path_(problem, root_.instance()),
+        validity_(std::make_shared<RevisableValidity>(root_.instance().validity)) {
+    root_.instance().validity = validity_;
+  }
 
   void step() {
     if (!std::exchange(begun_, true)) root_.begin_root_solve();
@@ -103,14 +110,14 @@ class RootSearch {
     path_ = root_.solution().path;
     const auto place = problem_.motion_model ? check_path_.refuted(path_) : check_path_.divide_and_refute(path_);
     certified_ = !place;
-    // From the fifth refutation on the root certifies its motions, so that few more paths are refuted.
     constexpr std::uint64_t most_refuted = 1000;
     if (certified_ || ++refuted_paths_ >= most_refuted) {
       if (!certified_) status_ = Status::budget_spent;
       end();
       return;
     }
-    root_.refute(place->invalid, check_path_.validity(), check_path_.tolerance());
+    revise(place->invalid);
+    root_.refute();
     root_.begin_root_solve();
   }
 
@@ -125,6 +132,27 @@ class RootSearch {
   [[nodiscard]] PathCheck& check_path() { return check_path_; }
 
  private:
+  /// Excludes a small ball about a configuration at which a path was refuted; or has the root certify its motions,
+  /// those of the present search included.
+  void revise(View invalid) {
+    // As many paths are refuted before the resolution counts as too coarse for the world.
+    constexpr std::uint64_t at_most = 4;
+    Instance& instance = root_.instance();
+    // Earlier epochs are those of another validity.
+    instance.revision = instance.epoch() + 1;
+    if (refuted_paths_ == at_most + 1) {
+      const auto certifies = std::make_shared<CertifiedValidity>(check_path_.validity(), check_path_.tolerance());
+      return validity_->replace(certifies);
+    }
+    // Start and goals remain valid.
+    const double nearest = std::min(instance.space.distance(invalid, instance.start), instance.to_goal(invalid));
+    const auto excluding = std::make_shared<ExcludingValidity>(validity_->current(), instance.space,
+                                                               std::min(0.25 * instance.resolution, 0.5 * nearest));
+    Configurations points(instance.space.dimension());
+    points.push(invalid);
+    excluding->exclude_points(points);
+    validity_->exclude(excluding);
+  }
   void end() {
     run_.clock.switch_to(nullptr);
     ended_ = true;
@@ -134,6 +162,7 @@ class RootSearch {
   const Problem& problem_;
   Level root_;
   PathCheck check_path_;
+  std::shared_ptr<RevisableValidity> validity_;  ///< of the root; check_path_ has the first one
   Status status_ = Status::interrupted;
   Configurations path_;
   std::uint64_t refuted_paths_ = 0;

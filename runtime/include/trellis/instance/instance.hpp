@@ -51,6 +51,9 @@ class Validity {
   /// Returns the obstacle of the instance's world that is nearest to the robot at q; none without obstacles.
   /// \throws Error where no collision check decides validity: such a space has no distances to obstacles
   [[nodiscard]] virtual std::optional<Proximity> nearest_obstacle(View q);
+  /// The validity by collision checks that this one presumes, excludes from, or asks after another; nullptr: this one
+  /// checks.
+  [[nodiscard]] virtual std::shared_ptr<Validity> checking() const { return nullptr; }
   /// A counter that grows each time the valid set may have changed: planners then recheck their motions.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
   /// Whether a motion that was valid at an earlier epoch still is. Costs no validity check where the implementation
@@ -74,6 +77,9 @@ class Validity {
     static_cast<void>(b);
     return std::nullopt;
   }
+  /// Whether the motion from a to b enters an excluded region, also one that refutes no path of another space. Costs no
+  /// check.
+  [[nodiscard]] virtual bool enters_excluded(View a, View b) { return excluded(a, b).has_value(); }
   /// Returns a validity with the same answers, for another thread, until the epoch changes; nullptr where answers
   /// depend on what was asked before, or cannot be had twice.
   [[nodiscard]] virtual std::shared_ptr<Validity> for_thread() const { return nullptr; }
@@ -86,6 +92,12 @@ class Validity {
     return 0.0;
   }
 };
+
+/// Returns Validity::checking() of a validity, or the validity itself where that is nullptr.
+inline std::shared_ptr<Validity> checking(const std::shared_ptr<Validity>& validity) {
+  auto other = validity->checking();
+  return other != nullptr ? other : validity;
+}
 
 /// Validity by a collision checker.
 class CollisionValidity final : public Validity {
