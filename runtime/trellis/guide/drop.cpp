@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <trellis/guide/changing_world.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/planner/nearest.hpp>
 
 namespace trellis {
 
@@ -58,6 +60,12 @@ class Drop final : public PathGuide {
     auto h = PathGuide::heuristic(parent, sub, found);
     parent_ = &parent;
     path_ = found->path;
+    vertices_ = NearestIndex(parent.space);
+    longest_ = 0.0;
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      vertices_->add(std::as_const(path_)[i]);
+      if (i > 0) longest_ = std::max(longest_, parent.space.distance(path_[i - 1], path_[i]));
+    }
     return h;
   }
 
@@ -136,12 +144,20 @@ class Drop final : public PathGuide {
   }
 
   /// The edges of the path within twice its tube's radius of q.
-  [[nodiscard]] std::vector<std::size_t> legs_beside(View q) const {
+  [[nodiscard]] std::vector<std::size_t> legs_beside(View q) {
     const double reach = 2.0 * path_heuristic()->radius();
+    // An end of such an edge is at most half the edge farther from q than the edge is.
+    constexpr double rounding = 1.0 + 1e-9;
+    vertices_->within(q, (reach + 0.5 * longest_) * rounding, near_);
     std::vector<std::size_t> legs;
-    for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
-      const Foot foot = nearest_on_motion(parent_->space, path_[i], path_[i + 1], q);
-      if (foot.squared_distance <= reach * reach) legs.push_back(i);
+    std::size_t next = 0;
+    for (const auto& vertex : near_) {
+      for (std::size_t i = std::max<std::size_t>(next, vertex.id > 0 ? vertex.id - 1 : 0);
+           i <= vertex.id && i + 1 < path_.size(); ++i) {
+        const Foot foot = nearest_on_motion(parent_->space, path_[i], path_[i + 1], q);
+        if (foot.squared_distance <= reach * reach) legs.push_back(i);
+        next = i + 1;
+      }
     }
     return legs;
   }
@@ -162,7 +178,10 @@ class Drop final : public PathGuide {
   std::vector<std::size_t> back_;     ///< obstacles restored since the last solve of S
   Instance* parent_ = nullptr;
   Instance* sub_ = nullptr;
-  Configurations path_;                      ///< found in S
+  Configurations path_;                   ///< found in S
+  std::optional<NearestIndex> vertices_;  ///< of the path
+  double longest_ = 0.0;                  ///< length of the path's longest edge
+  std::vector<NearestIndex::Neighbour> near_;
   std::shared_ptr<ChangingWorld> validity_;  ///< validity in S
   std::unique_ptr<ChangingWorld> left_out_;  ///< the robot among only the dropped obstacles
 };
