@@ -16,6 +16,7 @@
 #include <trellis/strategy/ablation.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/script.hpp"
 #include "support/worlds.hpp"
 
@@ -47,12 +48,7 @@ RunRecord run_of(const std::string& guide, const std::string& strategy = "g >> r
 
 /// Returns the error of a run, "" if there is none.
 std::string run_failure(const std::string& guide, const std::string& strategy = "g >> rrt {}") {
-  try {
-    run_of(guide, strategy);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::fault_of([&] { run_of(guide, strategy); });
 }
 
 std::vector<double> all(const Configurations& rows) { return {rows.values().begin(), rows.values().end()}; }

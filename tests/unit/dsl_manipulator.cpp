@@ -9,6 +9,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/manipulators.hpp"
 #include "support/scenes.hpp"
@@ -34,12 +35,7 @@ class RobotFolder {
     return dsl::Session(folder_.path().string()).evaluate(script, "test.lua");
   }
   [[nodiscard]] std::string failure(const std::string& script) const {
-    try {
-      static_cast<void>(values(script));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return test::fault_of([&] { static_cast<void>(values(script)); });
   }
   [[nodiscard]] const test::Folder& folder() const { return folder_; }
 

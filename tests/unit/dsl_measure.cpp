@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/script.hpp"
 
 #include <dsl/language/tools/vocabulary.hpp>
@@ -39,12 +40,7 @@ const Measure& measure_of(const dsl::Program& program) {
 /// Returns the message of an experiment with these functions of a target, "" if it runs.
 std::string run_failure(const std::string& functions) {
   const auto program = load(experiment("cross = 0,\nmeasure = target { " + functions + ", points = 64, pool = 64 }"));
-  try {
-    run(program.experiment);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::fault_of([&] { run(program.experiment); });
 }
 
 /// T uniform within 0.5 of the path, as in a user's script: by rejection sampling. Its volume is that of a capsule.

@@ -21,53 +21,16 @@
 #include "support/catch.hpp"
 #include "support/density.hpp"
 #include "support/outcomes.hpp"
+#include "support/solved_guide.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
+using test::solve_guide;
+using test::SolvedGuide;
 
 namespace {
 
-/// A guide on an instance, and its space searched once by its planner.
-struct Work {
-  std::unique_ptr<Instance> parent;
-  std::unique_ptr<Guide> guide;
-  std::unique_ptr<Instance> sub;
-  std::unique_ptr<UniformGuidance> uniform;
-  Search search;
-  std::unique_ptr<Planner> planner;
-  Solution found;
-  std::unique_ptr<Heuristic> h;
-};
-
-Work work(const std::string& name, const std::vector<Options::Entry>& given, const Problem& problem,
-          std::uint64_t seed = 1) {
-  Work w;
-  const GuideKind& kind = *find_guide(name);
-  w.parent = make_instance(problem);
-  w.guide = kind.make(Options::validate(*kind.component, given));
-  w.sub = w.guide->project(*w.parent);
-  if (!w.sub) {
-    w.h = w.guide->heuristic(*w.parent, nullptr, nullptr);
-    return w;
-  }
-  w.uniform = std::make_unique<UniformGuidance>(w.sub->space);
-  w.search = Search(w.sub->space.dimension());
-  const PlannerKind& planner = *find_planner(kind.default_planner);
-  const Options options = Options::validate(*planner.component, {});
-  w.guide->attach(*w.sub);
-  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false});
-  Budget budget = planner.common(options).budget;
-  budget.proposals = std::min(budget.proposals, w.guide->repairs().effort(false));
-  w.found = w.planner->solve(budget);
-  while (const std::int64_t more = w.guide->repairs().another(w.found.solved() ? &w.found : nullptr)) {
-    budget.proposals = static_cast<double>(w.search.proposals.size()) + static_cast<double>(more);
-    w.found = w.planner->solve(budget);
-  }
-  w.h = w.guide->heuristic(*w.parent, w.sub.get(), &w.found);
-  return w;
-}
-
-void block(Work& w, const Configuration& at) {
+void block(SolvedGuide& w, const Configuration& at) {
   Outcome outcome;
   outcome.proposal = at;
   outcome.near = w.parent->start;
@@ -161,7 +124,7 @@ TEST_CASE("every path found among hulls is valid among the obstacles", "[guide][
     if (!checker->valid(problem.start) || !checker->valid(problem.goal())) continue;
     for (const double error : {0.1, 0.3, 1.0}) {
       CAPTURE(seed, error);
-      const Work w = work("aggregate", {{"error", error}}, problem, seed);
+      const SolvedGuide w = solve_guide("aggregate", {{"error", error}}, problem, seed);
       if (!w.found.solved()) continue;
       ++solved;
       CHECK(checker->valid(w.found.path.front()));
@@ -177,22 +140,22 @@ TEST_CASE("every path found among hulls is valid among the obstacles", "[guide][
 
 TEST_CASE("where the hulls close the only passage they are refined until it is open", "[guide][aggregate]") {
   const auto problem = test::simple_passage_problem();
-  const Work w = work("aggregate", {{"error", 1.0}}, problem);
+  const SolvedGuide w = solve_guide("aggregate", {{"error", 1.0}}, problem);
   CHECK(w.found.solved());
-  CHECK_FALSE(work("aggregate", {{"error", 1.0}, {"effort", std::int64_t{1}}}, problem).found.solved());
+  CHECK_FALSE(solve_guide("aggregate", {{"error", 1.0}, {"effort", std::int64_t{1}}}, problem).found.solved());
   // A start between two obstacles that a hull would hold.
   auto between = test::make_problem("between", test::rectangle_world({{4, 4, 4.5, 6}, {5.5, 4, 6, 6}}),
                                     test::rectangle_robot(), {5, 5, 0}, {9, 9, 0});
-  const Work freed = work("aggregate", {{"error", 2.0}}, between);
+  const SolvedGuide freed = solve_guide("aggregate", {{"error", 2.0}}, between);
   CHECK(freed.sub->valid(freed.sub->start));
   CHECK(freed.found.solved());
 }
 
 TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][drop]") {
   const auto problem = test::cup_problem();
-  auto w = work("drop",
-                {{"obstacles", std::vector<std::string>{"obstacle 1", "obstacle 2"}}, {"follow", std::string("tube")}},
-                problem);
+  auto w = solve_guide(
+      "drop", {{"obstacles", std::vector<std::string>{"obstacle 1", "obstacle 2"}}, {"follow", std::string("tube")}},
+      problem);
   const Configuration in_first = {6.75, 5, 0};
   const Configuration in_second = {4.5, 1.75, 0};
   const Configuration in_third = {4.5, 8.25, 0};
@@ -227,7 +190,7 @@ TEST_CASE("what is presumed valid and found invalid at one place, time and again
           "[guide][lazy]") {
   for (const std::string name : {"shrink", "skeleton", "widen"}) {
     CAPTURE(name);
-    auto w = work(name, {{"evidence", 5.0}}, test::cup_problem());
+    auto w = solve_guide(name, {{"evidence", 5.0}}, test::cup_problem());
     REQUIRE(w.found.solved());
     REQUIRE_FALSE(w.h->stale());
     const Configurations path = w.h->lifted_path();
@@ -263,7 +226,7 @@ TEST_CASE("drop identifies the world's obstacles by name", "[guide][drop]") {
                                                 planar(*problem.scene).robot);
   for (const auto* name : {"lower wall", "obstacle 2", "obstacle 2 (lower wall)"}) {
     CAPTURE(name);
-    const auto w = work("drop", {{"obstacles", std::vector<std::string>{name}}}, problem);
+    const auto w = solve_guide("drop", {{"obstacles", std::vector<std::string>{name}}}, problem);
     CHECK(w.sub->valid(Configuration{4.5, 1.75, 0}));
     CHECK_FALSE(w.sub->valid(Configuration{6.75, 5, 0}));
   }
@@ -282,7 +245,7 @@ TEST_CASE("widened obstacles are thinner, and thin ones are gone", "[guide][wide
                                      {"ell", Polygon{{{7, 7}, {9, 7}, {9, 7.6}, {7.6, 7.6}, {7.6, 9}, {7, 9}}}}};
   const auto problem =
       test::make_problem("shapes", World(Box2{{0, 0}, {10, 10}}, obstacles), Robot::point(), {1, 1}, {9, 1});
-  const auto w = work("widen", {{"distance", 0.2}}, problem);
+  const auto w = solve_guide("widen", {{"distance", 0.2}}, problem);
   const auto valid = [&](double x, double y) { return w.sub->valid(Configuration{x, y}); };
   CHECK(w.sub->scene->obstacle_count() == 3);
   CHECK(valid(4.19, 2));
@@ -305,7 +268,7 @@ TEST_CASE("informed samples lie where a shorter path could pass, and cover it", 
   const Space& space = problem.space;
   for (const double cost : {2.2, 3.5, 6.0}) {
     CAPTURE(cost);
-    const Work w = work("informed", {{"cost", cost}}, problem);
+    const SolvedGuide w = solve_guide("informed", {{"cost", cost}}, problem);
     const auto detour = [&](View q) { return space.distance(problem.start, q) + space.distance(q, problem.goal()); };
     Stream stream(3, "", "informed");
     Configuration q(3);
@@ -340,7 +303,7 @@ TEST_CASE("of several goals informed samples lie where a shorter path to any of 
   const Space& space = problem.space;
   for (const double cost : {1.6, 2.4, 4.0}) {
     CAPTURE(cost);
-    const Work w = work("informed", {{"cost", cost}}, problem);
+    const SolvedGuide w = solve_guide("informed", {{"cost", cost}}, problem);
     const auto detour = [&](View q, std::size_t goal) {
       return space.distance(problem.start, q) + space.distance(q, problem.goals[goal]);
     };
@@ -372,12 +335,12 @@ TEST_CASE("of several goals informed samples lie where a shorter path to any of 
     const double mean = sum / points;
     CHECK(std::abs(mean - 1.0) < 4.0 * std::sqrt((squares / points - mean * mean) / points));
   }
-  CHECK_THROWS_WITH(work("informed", {{"cost", 1.0}}, problem), Catch::Contains("to the nearest goal is 1.3"));
+  CHECK_THROWS_WITH(solve_guide("informed", {{"cost", 1.0}}, problem), Catch::Contains("to the nearest goal is 1.3"));
 }
 
 TEST_CASE("informed uses the best reported path as long as it is valid", "[guide][informed]") {
   const auto problem = test::point_problem(5);
-  const Work w = work("informed", {}, problem);
+  const SolvedGuide w = solve_guide("informed", {}, problem);
   const Configuration corner = {9.5, 0.5};
   const double uniform = std::exp(-problem.space.log_volume());
   CHECK(test::record_of(*w.h).at(corner) == Approx(uniform));
@@ -389,7 +352,7 @@ TEST_CASE("informed uses the best reported path as long as it is valid", "[guide
   CHECK(test::record_of(*w.h).at(problem.start) == there);
   w.h->found(13.0);
   CHECK(test::record_of(*w.h).at(problem.start) > there);
-  CHECK_THROWS_WITH(work("informed", {{"cost", 5.0}}, problem), Catch::Contains("no path is as short"));
+  CHECK_THROWS_WITH(solve_guide("informed", {{"cost", 5.0}}, problem), Catch::Contains("no path is as short"));
 }
 
 TEST_CASE("information_gain proposes where its model is least certain, and with utility where that is valid",
@@ -397,7 +360,8 @@ TEST_CASE("information_gain proposes where its model is least certain, and with 
   const auto problem = test::point_problem(5);
   // Shares of the proposals in the left half, which is known to be free, and in the right one, known to be invalid.
   const auto shares = [&](const std::string& gain) {
-    Work w = work("information_gain", {{"candidates", std::int64_t{20}}, {"gain", gain}, {"reach", 0.5}}, problem);
+    SolvedGuide w =
+        solve_guide("information_gain", {{"candidates", std::int64_t{20}}, {"gain", gain}, {"reach", 0.5}}, problem);
     Configuration q(2);
     for (q[0] = 0.25; q[0] < 10.0; q[0] += 0.5) {
       for (q[1] = 0.25; q[1] < 10.0; q[1] += 0.5) {
@@ -425,7 +389,8 @@ TEST_CASE("blossom names a node and draws its controls in the order of the cost 
   const Problem problem = test::driven(test::cup_problem(), "unicycle2");
   const MotionModel& model = *problem.motion_model;
   constexpr std::int64_t controls = 12;
-  Work w = work("blossom", {{"share", 1.0}, {"controls", controls}, {"heading", std::string("found")}}, problem);
+  SolvedGuide w =
+      solve_guide("blossom", {{"share", 1.0}, {"controls", controls}, {"heading", std::string("found")}}, problem);
   REQUIRE(w.found.solved());
   // The cost to go along the path in S, by points 1 mm apart.
   const Space& s = w.sub->space;
@@ -503,7 +468,7 @@ TEST_CASE("state_cells proposes in cells beside those with a node, and names the
           "[guide][state_cells]") {
   auto problem = test::point_problem(5);
   problem.start = {0.5, 0.5};
-  Work w = work("state_cells", {{"cell", 1.0}, {"explore", 0.0}}, problem);
+  SolvedGuide w = solve_guide("state_cells", {{"cell", 1.0}, {"explore", 0.0}}, problem);
   Stream stream(3, "", "cells");
   Configuration q(2);
   const auto cell = [](View at) { return std::pair(static_cast<int>(at[0]), static_cast<int>(at[1])); };
@@ -550,7 +515,7 @@ TEST_CASE("a Halton sequence leaves smaller holes than uniform samples", "[guide
   const auto problem = test::point_problem(5);
   // The largest distance from a point of the square to its nearest sample.
   const auto dispersion = [&](const std::string& name, std::uint64_t seed) {
-    const Work w = work(name, {}, problem);
+    const SolvedGuide w = solve_guide(name, {}, problem);
     Stream stream(seed, "", "dispersion");
     NearestIndex index(problem.space);
     Configuration q(2);
@@ -579,7 +544,7 @@ TEST_CASE("samples out of obstacles lie at their surface, those on the medial ax
                                           Robot::disc(0.1), {1, 4.5}, {9, 4.5});
   Stream stream(4, "", "surface");
   Configuration q(2);
-  auto surface = work("obstacle_based", {}, problem);
+  auto surface = solve_guide("obstacle_based", {}, problem);
   int at_surface = 0;
   for (int i = 0; i < 300; ++i) {
     surface.h->sample(stream, q);
@@ -587,7 +552,7 @@ TEST_CASE("samples out of obstacles lie at their surface, those on the medial ax
     if (surface.parent->clearance(q) <= 2.0 * problem.resolution) ++at_surface;
   }
   CHECK(at_surface == 300);
-  auto axis = work("medial_axis", {}, problem);
+  auto axis = solve_guide("medial_axis", {}, problem);
   for (int i = 0; i < 300; ++i) {
     axis.h->sample(stream, q);
     CHECK(axis.parent->valid(q));
@@ -597,7 +562,7 @@ TEST_CASE("samples out of obstacles lie at their surface, those on the medial ax
 }
 
 TEST_CASE("the point's path is the shortest on the grid, and has clearance to obstacles", "[guide][workspace]") {
-  const Work w = work("workspace", {{"cell", 0.5}}, test::cup_problem());
+  const SolvedGuide w = solve_guide("workspace", {{"cell", 0.5}}, test::cup_problem());
   REQUIRE(w.found.solved());
   const auto& space = w.sub->space;
   for (std::size_t i = 1; i < w.found.path.size(); ++i) {

@@ -13,6 +13,7 @@
 #include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -43,13 +44,10 @@ std::unique_ptr<Guide> guide_of(const std::vector<Options::Entry>& options) {
 std::unique_ptr<Guide> keeping(const std::vector<std::string>& axes) { return guide_of({{"axes", axes}}); }
 
 std::string fault_of(const std::vector<std::string>& axes, const Problem& problem) {
-  try {
+  return test::fault_of([&] {
     const auto parent = make_instance(problem);
     static_cast<void>(keeping(axes)->project(*parent));
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  });
 }
 
 /// The number of configurations of S, among this many, in which it differs from a separate checker.

@@ -19,51 +19,47 @@ std::vector<Space> spaces() {
   return {Space::so3(0.5), se3, Space::product({{1.0, se3}, {1.0, Space::so2(0.3)}})};
 }
 
-/// What the kernel's density says of the mean of f, and of the total mass, from uniform configurations.
-struct Integral {
-  double mass = 0.0;
-  double mean = 0.0;
-};
-template <class DensityAt, class F>
-Integral integral(const Space& space, int n, Stream& stream, const DensityAt& density, const F& f) {
-  Integral sum;
-  Configuration q(space.dimension());
-  const double volume = std::exp(space.log_volume());
-  for (int i = 0; i < n; ++i) {
-    space.sample_uniform(stream, q);
-    const double share = density(q) * volume / n;
-    sum.mass += share;
-    if (share > 0.0) sum.mean += share * f(q);
-  }
-  return sum;
-}
-
 constexpr int uniform_draws = 400'000;
 constexpr int draws = 20'000;
+
+/// Checks that a density integrates to one and is that of its samples: both give the same mean distance from a
+/// configuration.
+/// \param sample  draws into a configuration
+template <class DensityAt, class Sample>
+void check_density(const Space& space, View from, Stream& stream, const DensityAt& density, const Sample& sample) {
+  Configuration q(space.dimension());
+  const double volume = std::exp(space.log_volume());
+  double mass = 0.0, by_density = 0.0, mean = 0.0;
+  for (int i = 0; i < uniform_draws; ++i) {
+    space.sample_uniform(stream, q);
+    const double share = density(q) * volume / uniform_draws;
+    mass += share;
+    if (share > 0.0) by_density += share * space.distance(from, q);
+  }
+  for (int i = 0; i < draws; ++i) {
+    sample(q);
+    CHECK(space.contains(q));
+    CHECK(density(q) > 0.0);
+    mean += space.distance(from, q) / draws;
+  }
+  CHECK(mass == Approx(1.0).epsilon(0.08));
+  CHECK(by_density == Approx(mean).epsilon(0.08));
+}
 
 }  // namespace
 
 TEST_CASE("a ball's density integrates to one and is that of its samples, with rotations", "[guide][kernels]") {
   for (const Space& space : spaces()) {
     Stream stream(1, "ball", space.name());
-    Configuration centre(space.dimension()), q(space.dimension());
+    Configuration centre(space.dimension());
     space.sample_uniform(stream, centre);
     // Near a bound, so that samples are reflected.
     if (space.factors().front().kind == Factor::Kind::line) centre[0] = 0.2;
     const BallKernel ball(space, 0.7);
-    const auto distance = [&](View x) { return space.distance(centre, x); };
-    const auto by_density = integral(
-        space, uniform_draws, stream, [&](View x) { return ball.density(centre, x); }, distance);
-    double mean = 0.0;
-    for (int i = 0; i < draws; ++i) {
-      ball.sample(centre, stream, q);
-      CHECK(space.contains(q));
-      CHECK(ball.density(centre, q) > 0.0);
-      mean += distance(q) / draws;
-    }
     INFO(space.name());
-    CHECK(by_density.mass == Approx(1.0).epsilon(0.08));
-    CHECK(by_density.mean == Approx(mean).epsilon(0.08));
+    check_density(
+        space, centre, stream, [&](View x) { return ball.density(centre, x); },
+        [&](MutableView x) { ball.sample(centre, stream, x); });
   }
 }
 
@@ -80,19 +76,10 @@ TEST_CASE("a tube's density integrates to one and is that of its samples, with r
     for (const bool whole : {true, false}) {
       if (!whole)
         tube.activate({{0.1 * tube.length(), 0.3 * tube.length()}, {0.7 * tube.length(), 0.75 * tube.length()}});
-      const auto distance = [&](View x) { return space.distance(path[0], x); };
-      const auto by_density = integral(
-          space, uniform_draws, stream, [&](View x) { return tube.density(x); }, distance);
-      double mean = 0.0;
-      for (int i = 0; i < draws; ++i) {
-        tube.sample(stream, q);
-        CHECK(space.contains(q));
-        CHECK(tube.density(q) > 0.0);
-        mean += distance(q) / draws;
-      }
       INFO(space.name() << whole);
-      CHECK(by_density.mass == Approx(1.0).epsilon(0.08));
-      CHECK(by_density.mean == Approx(mean).epsilon(0.08));
+      check_density(
+          space, path[0], stream, [&](View x) { return tube.density(x); },
+          [&](MutableView x) { tube.sample(stream, x); });
     }
   }
 }

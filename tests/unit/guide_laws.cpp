@@ -14,6 +14,7 @@
 #include "support/catch.hpp"
 #include "support/density.hpp"
 #include "support/outcomes.hpp"
+#include "support/solved_guide.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -61,44 +62,9 @@ std::vector<Problem> problems(const GuideKind& kind) {
   return all;
 }
 
-/// A guide whose space was solved once by its default planner.
-struct Solved {
-  std::unique_ptr<Instance> parent;
-  std::unique_ptr<Guide> guide;
-  std::unique_ptr<Instance> sub;
-  bool ends_valid = true;  ///< in S, before it was searched
-  Solution found;
-  std::unique_ptr<Heuristic> h;
-};
-
-Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed = 1,
-             double proposals = Budget::unlimited) {
-  Solved s;
-  s.parent = make_instance(problem);
-  s.guide = kind.make(Options::validate(*kind.component, {}));
-  s.sub = s.guide->project(*s.parent);
-  if (!s.sub) {
-    s.h = s.guide->heuristic(*s.parent, nullptr, nullptr);
-    return s;
-  }
-  const PlannerKind& planner = *find_planner(kind.default_planner);
-  const Options options = Options::validate(*planner.component, {});
-  UniformGuidance uniform(s.sub->space);
-  Search search;
-  search.nodes = Configurations(s.sub->space.dimension());
-  search.proposals = Configurations(s.sub->space.dimension());
-  s.ends_valid = s.sub->valid(s.sub->start) && s.sub->valid(s.sub->goal());
-  s.guide->attach(*s.sub);
-  Budget budget = planner.common(options).budget;
-  budget.proposals = std::min({budget.proposals, proposals, s.guide->repairs().effort(false)});
-  const auto search_planner = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false});
-  s.found = search_planner->solve(budget);
-  while (const std::int64_t more = s.guide->repairs().another(s.found.solved() ? &s.found : nullptr)) {
-    budget.proposals = static_cast<double>(search.proposals.size()) + static_cast<double>(more);
-    s.found = search_planner->solve(budget);
-  }
-  s.h = s.guide->heuristic(*s.parent, s.sub.get(), &s.found);
-  return s;
+test::SolvedGuide solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed = 1,
+                        double proposals = Budget::unlimited) {
+  return test::solve_guide(kind.component->name, {}, problem, seed, proposals);
 }
 
 }  // namespace
@@ -218,7 +184,7 @@ std::pair<double, double> mass(Heuristic& h, const Space& space, std::uint64_t s
 }
 
 /// h is a distribution over C: it draws inside, and has the mass that it claims.
-void check_distribution(const GuideKind& kind, Solved& solved, std::uint64_t seed) {
+void check_distribution(const GuideKind& kind, test::SolvedGuide& solved, std::uint64_t seed) {
   const Space& space = solved.parent->space;
   Stream stream(seed, "0", "draws");
   Configuration q(space.dimension());
@@ -383,54 +349,7 @@ TEST_CASE("what h enters into a record is its density at every step", "[guide][d
   for (const auto& kind : guide_kinds()) {
     for (const auto& problem : problems(kind)) {
       CAPTURE(kind.component->name, problem.name);
-      const auto solved = solve(kind, problem);
-      const auto& space = solved.parent->space;
-      Stream stream(7, "0", "record");
-      Configuration q(space.dimension());
-      // Where h may have a density: its own first samples, and anywhere.
-      Configurations probes(space.dimension());
-      for (int i = 0; i < 60; ++i) {
-        if (i % 2 == 0) {
-          space.sample_uniform(stream, q);
-        } else {
-          solved.h->sample(stream, q);
-        }
-        probes.push(q);
-      }
-      std::vector<double> sums(probes.size(), 0.0);
-      double atoms = 0.0;
-      DensityRecord record;
-      const bool closed = !std::isnan(test::record_of(*solved.h).at(solved.parent->start));
-      constexpr int steps = 400;
-      // However many steps there were: what follows a path by steps has balls of so many sizes.
-      const std::size_t most_terms = dynamic_cast<const StepHeuristic*>(solved.h.get()) != nullptr ? 5 : 1;
-      for (int t = 0; t < steps; ++t) {
-        solved.h->sample(stream, q);
-        record.served(*solved.h);
-        const DensityRecord now = test::record_of(*solved.h);
-        atoms += now.atoms() / steps;
-        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += now.at(probes[i]) / steps;
-        // Two of three proposals are reached, from wherever: stretches and regions move on.
-        Outcome outcome;
-        outcome.proposal = q;
-        outcome.near = solved.parent->start;
-        if (t % 3 != 0) {
-          outcome.fate = Fate::reached;
-          outcome.added = q;
-        }
-        solved.guide->learn(outcome);
-        solved.h->observe(outcome, true);
-      }
-      REQUIRE(record.exact() == closed);
-      if (!closed) continue;
-      CHECK(record.atoms() == Approx(atoms).margin(1e-12));
-      for (int compacted = 0; compacted < 2; ++compacted) {
-        for (std::size_t i = 0; i < sums.size(); ++i) {
-          CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
-        }
-        record.compact();
-        CHECK(record.terms() <= most_terms);
-      }
+      test::check_record(solve(kind, problem), 60, 400);
     }
   }
 }
@@ -552,10 +471,10 @@ TEST_CASE("S, the path found in it and h serve all goals, whatever their order",
       CAPTURE(kind.component->name, problem.name);
       Problem permuted = with_more_goals(problem);
       std::ranges::sort(permuted.goals);
-      Solved first = solve(kind, permuted);
+      test::SolvedGuide first = solve(kind, permuted);
       const Configurations drawn = draws(*first.h, permuted.space);
       while (std::ranges::next_permutation(permuted.goals).found) {
-        Solved again = solve(kind, permuted);
+        test::SolvedGuide again = solve(kind, permuted);
         if (first.sub) {
           CHECK(again.sub->start == first.sub->start);
           CHECK(again.sub->goals == first.sub->goals);
@@ -593,7 +512,7 @@ TEST_CASE("a path in S leads to the goal that is nearest there", "[guide][goals]
     CAPTURE(kind.component->name);
     Problem problem = test::cup_problem();
     problem.goals = {{9, 5, 0}, {1.5, 9, 1}};
-    Solved solved = solve(kind, problem);
+    test::SolvedGuide solved = solve(kind, problem);
     REQUIRE(solved.found.solved());
     Configuration s(solved.sub->space.dimension());
     solved.guide->project(problem.goals[1], s);

@@ -14,6 +14,7 @@
 #include "support/catch.hpp"
 #include "support/density.hpp"
 #include "support/outcomes.hpp"
+#include "support/solved_guide.hpp"
 
 using namespace trellis;
 
@@ -58,32 +59,10 @@ std::vector<const GuideKind*> kinds() {
   return some;
 }
 
-struct Solved {
-  std::unique_ptr<Instance> parent;
-  std::unique_ptr<Guide> guide;
-  std::unique_ptr<Instance> sub;
-  Solution found;
-  std::unique_ptr<Heuristic> h;
-
-  Solved(const GuideKind& kind, const Problem& problem, const std::vector<Options::Entry>& options = {}) {
-    parent = make_instance(problem);
-    guide = kind.make(Options::validate(*kind.component, options));
-    sub = guide->project(*parent);
-    if (!sub) {
-      h = guide->heuristic(*parent, nullptr, nullptr);
-      return;
-    }
-    const PlannerKind& planner = *find_planner(kind.default_planner);
-    const Options none = Options::validate(*planner.component, {});
-    UniformGuidance uniform(sub->space);
-    Search search(sub->space.dimension());
-    guide->attach(*sub);
-    Budget budget = planner.common(none).budget;
-    budget.proposals = std::min(budget.proposals, 3000.0);
-    found = planner.make(none, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false})->solve(budget);
-    h = guide->heuristic(*parent, sub.get(), &found);
-  }
-};
+test::SolvedGuide solve(const GuideKind& kind, const Problem& problem,
+                        const std::vector<Options::Entry>& options = {}) {
+  return test::solve_guide(kind.component->name, options, problem, 1, 3000.0);
+}
 
 /// The median distance of h's draws from a configuration.
 double spread(Heuristic& h, const Space& space, View centre, Stream& stream) {
@@ -167,7 +146,7 @@ TEST_CASE("samples of h for a body in space fall where its density says", "[guid
     for (const Problem& problem : problems(one.guide)) {
       CAPTURE(one.guide, problem.name);
       const GuideKind& kind = *find_guide(one.guide);
-      Solved solved(kind, problem, one.options);
+      const test::SolvedGuide solved = solve(kind, problem, one.options);
       const DensityRecord now = test::record_of(*solved.h);
       if (std::isnan(now.at(problem.start)) || now.atoms() > 0.0) continue;
       Stream stream(4, one.guide, problem.name);
@@ -185,43 +164,7 @@ TEST_CASE("a guide of a body in space records its density at every step", "[guid
   for (const GuideKind* kind : kinds()) {
     for (const Problem& problem : problems(kind->component->name)) {
       CAPTURE(kind->component->name, problem.name);
-      Solved solved(*kind, problem);
-      const Space& space = problem.space;
-      Stream stream(7, "0", "record");
-      Configuration q(space.dimension());
-      Configurations probes(space.dimension());
-      for (int i = 0; i < 20; ++i) {
-        if (i % 2 == 0) {
-          space.sample_uniform(stream, q);
-        } else {
-          solved.h->sample(stream, q);
-        }
-        probes.push(q);
-      }
-      const bool closed = !std::isnan(test::record_of(*solved.h).at(problem.start));
-      std::vector<double> sums(probes.size(), 0.0);
-      DensityRecord record;
-      constexpr int steps = 60;
-      for (int t = 0; t < steps; ++t) {
-        solved.h->sample(stream, q);
-        record.served(*solved.h);
-        const DensityRecord now = test::record_of(*solved.h);
-        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += now.at(std::as_const(probes)[i]) / steps;
-        Outcome outcome;
-        outcome.proposal = q;
-        outcome.near = solved.parent->start;
-        if (t % 3 != 0) {
-          outcome.fate = Fate::reached;
-          outcome.added = q;
-        }
-        solved.guide->learn(outcome);
-        solved.h->observe(outcome, true);
-      }
-      REQUIRE(record.exact() == closed);
-      if (!closed) continue;
-      for (std::size_t i = 0; i < sums.size(); ++i) {
-        CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
-      }
+      test::check_record(solve(*kind, problem), 20, 60);
     }
   }
 }

@@ -20,59 +20,16 @@
 
 #include "support/catch.hpp"
 #include "support/density.hpp"
+#include "support/solved_guide.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
+using test::solve_guide;
+using test::SolvedGuide;
 
 namespace {
 
-/// A guide with its space, solved as by the executor.
-struct Work {
-  std::unique_ptr<Instance> parent;
-  std::unique_ptr<Guide> guide;
-  std::unique_ptr<Instance> sub;
-  std::unique_ptr<UniformGuidance> uniform;
-  Search search;
-  std::unique_ptr<Planner> planner;
-  Solution found;
-  std::vector<Configurations> paths;
-  std::unique_ptr<Heuristic> h;
-};
-
-Work work(const std::string& name, const std::vector<Options::Entry>& given, const Problem& problem,
-          std::uint64_t seed = 1) {
-  Work w;
-  const GuideKind& kind = *find_guide(name);
-  w.parent = make_instance(problem);
-  w.guide = kind.make(Options::validate(*kind.component, given));
-  w.sub = w.guide->project(*w.parent);
-  w.uniform = std::make_unique<UniformGuidance>(w.sub->space);
-  w.search = Search(w.sub->space.dimension());
-  const PlannerKind& planner = *find_planner(kind.default_planner);
-  const Options options = Options::validate(*planner.component, {});
-  w.guide->attach(*w.sub);
-  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false});
-  const auto solve = [&](Budget budget) {
-    Solution found = w.planner->solve(budget);
-    const bool solved = found.solved();
-    if (solved) {
-      w.found = std::move(found);
-      w.paths.push_back(w.found.path);
-    }
-    return w.guide->repairs().another(solved ? &w.found : nullptr);
-  };
-  const Budget budget = planner.common(options).budget;
-  std::int64_t more = solve(budget);
-  while (more > 0) {
-    Budget little = budget;
-    little.proposals = static_cast<double>(w.search.proposals.size()) + static_cast<double>(more);
-    more = solve(little);
-  }
-  w.h = w.guide->heuristic(*w.parent, w.sub.get(), &w.found);
-  return w;
-}
-
-void tell(Work& w, View added, bool mine) {
+void tell(SolvedGuide& w, View added, bool mine) {
   Outcome outcome;
   outcome.fate = added.empty() ? Fate::rejected : Fate::reached;
   outcome.proposal = added.empty() ? View(w.parent->start) : added;
@@ -98,7 +55,7 @@ double least_distance(const Space& space, View q, const Configurations& path) {
 TEST_CASE("waypoints are proposed in turn, each until it is reached", "[guide][waypoints]") {
   for (const auto* name : {"shrink", "identity", "lazy"}) {
     CAPTURE(name);
-    auto w = work(name, waypoints, test::cup_problem());
+    auto w = solve_guide(name, waypoints, test::cup_problem());
     auto& h = dynamic_cast<WaypointHeuristic&>(*w.h);
     const auto& path = std::as_const(w.found.path);
     Stream stream(1, "0", "waypoints");
@@ -140,7 +97,7 @@ TEST_CASE("a waypoint without progress makes h stale, and another path continues
           "[guide][waypoints]") {
   auto options = waypoints;
   options.emplace_back("evidence", std::int64_t{30});
-  auto w = work("shrink", options, test::cup_problem());
+  auto w = solve_guide("shrink", options, test::cup_problem());
   const Configurations path = w.found.path;
   REQUIRE(path.size() > 6);
   for (std::size_t i = 1; i < 4; ++i) tell(w, std::as_const(path)[i], false);
@@ -161,7 +118,7 @@ TEST_CASE("the recorded density of h along waypoints or several paths is correct
   for (const auto& options : {waypoints, both, std::vector<Options::Entry>{{"paths", std::int64_t{3}}}}) {
     for (const auto& problem : {test::cup_problem(), test::trap_problem(), test::simple_passage_problem()}) {
       CAPTURE(problem.name, options.size());
-      auto w = work("shrink", options, problem);
+      auto w = solve_guide("shrink", options, problem);
       const auto& space = w.parent->space;
       Stream stream(7, "0", "record");
       Configuration q(space.dimension());
@@ -211,9 +168,9 @@ TEST_CASE("the recorded density of h along waypoints or several paths is correct
 TEST_CASE("several paths are separated except near their ends, and exclusions end", "[guide][paths]") {
   const auto problem = test::cup_problem();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    auto w = work("shrink",
-                  {{"paths", std::int64_t{2}}, {"distinct", 0.5}, {"follow", std::string("tube")}, {"window", 100.0}},
-                  problem, seed);
+    auto w = solve_guide(
+        "shrink", {{"paths", std::int64_t{2}}, {"distinct", 0.5}, {"follow", std::string("tube")}, {"window", 100.0}},
+        problem, seed);
     REQUIRE(w.paths.size() == 2);
     const auto& space = w.parent->space;
     const auto far = [&](View q) {
@@ -251,7 +208,7 @@ TEST_CASE("a goal near a path is a goal again when exclusions end", "[guide][pat
   int dropped = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
-    const auto w = work("shrink", {{"paths", std::int64_t{2}}, {"distinct", 1.0}}, problem, seed);
+    const auto w = solve_guide("shrink", {{"paths", std::int64_t{2}}, {"distinct", 1.0}}, problem, seed);
     REQUIRE_FALSE(w.paths.empty());
     const auto& first = w.paths.front();
     // The search for the second path may not end at the goal beside the first one.
@@ -263,8 +220,8 @@ TEST_CASE("a goal near a path is a goal again when exclusions end", "[guide][pat
 }
 
 TEST_CASE("where there is no second path the search for it ends with its budget, and one guides", "[guide][paths]") {
-  auto w =
-      work("identity", {{"paths", std::int64_t{4}}, {"effort", std::int64_t{300}}}, test::simple_passage_problem());
+  auto w = solve_guide("identity", {{"paths", std::int64_t{4}}, {"effort", std::int64_t{300}}},
+                       test::simple_passage_problem());
   REQUIRE(w.paths.size() == 1);
   CHECK(dynamic_cast<StepHeuristic*>(w.h.get()) != nullptr);
   // A resumed search searches for as many again.
@@ -315,7 +272,7 @@ TEST_CASE("excluded balls are what brute force says", "[guide][paths]") {
 TEST_CASE("a region is dropped after so many failures in a row, and then the whole world serves", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
   const double even = std::exp(-problem.space.log_volume());
-  const auto wholly_uniform = [&](const Work& w) {
+  const auto wholly_uniform = [&](const SolvedGuide& w) {
     Stream stream(1, "0", "anywhere");
     Configuration q(3);
     for (int i = 0; i < 200; ++i) {
@@ -326,9 +283,9 @@ TEST_CASE("a region is dropped after so many failures in a row, and then the who
   };
   for (const std::int64_t drop : {0, 20}) {
     CAPTURE(drop);
-    auto w = work("skeleton",
-                  {{"follow", std::string("regions")}, {"prune", false}, {"drop", drop}, {"resolves", std::int64_t{0}}},
-                  problem);
+    auto w = solve_guide(
+        "skeleton",
+        {{"follow", std::string("regions")}, {"prune", false}, {"drop", drop}, {"resolves", std::int64_t{0}}}, problem);
     CHECK_FALSE(wholly_uniform(w));
     Stream stream(2, "0", "failures");
     Configuration q(3);
@@ -349,8 +306,8 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
   // The same walker, beside the skeleton by one bounding radius and a half: inside a region of two with its reference
   // point, not with its whole circle.
   const auto travelled = [&](double penetration) {
-    auto w =
-        work("skeleton", {{"follow", std::string("regions")}, {"prune", false}, {"penetration", penetration}}, problem);
+    auto w = solve_guide("skeleton",
+                         {{"follow", std::string("regions")}, {"prune", false}, {"penetration", penetration}}, problem);
     const auto before = w.h->epoch();
     const auto path = w.found.path;
     for (std::size_t i = 0; i < path.size(); ++i) {
@@ -368,7 +325,7 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
 TEST_CASE("regions begin at every vertex that a node comes near", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
   const double robot = problem.scene->bounding_radius();
-  auto w = work("skeleton", {{"follow", std::string("regions")}, {"prune", false}}, problem);
+  auto w = solve_guide("skeleton", {{"follow", std::string("regions")}, {"prune", false}}, problem);
   // A vertex of the path that is far from where regions are.
   const Graph& graph = *w.sub->graph;
   std::optional<std::uint32_t> far;
@@ -410,7 +367,7 @@ TEST_CASE("a region's proposals move along its edge where they are aligned", "[g
                                         test::rectangle_robot(), {2, 5, 0}, {8, 5, 0}),
                      model);
     const auto backwards = [&](double alignment) {
-      auto w = work("skeleton", {{"explore", 0.0}, {"alignment", alignment}}, problem);
+      auto w = solve_guide("skeleton", {{"explore", 0.0}, {"alignment", alignment}}, problem);
       Stream stream(1, "0", "aligned");
       Configuration q(problem.space.dimension());
       int count = 0;
@@ -476,8 +433,9 @@ TEST_CASE("with bottlenecks inhibited, further paths keep away from where C may 
       test::rectangle_robot(), {3.5, 5, 0}, {6.5, 5, 0});
   int through_the_bottleneck = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    auto w = work("shrink", {{"paths", std::int64_t{3}}, {"distinct", 0.3}, {"inhibit", std::string("bottlenecks")}},
-                  problem, seed);
+    auto w =
+        solve_guide("shrink", {{"paths", std::int64_t{3}}, {"distinct", 0.3}, {"inhibit", std::string("bottlenecks")}},
+                    problem, seed);
     REQUIRE_FALSE(w.paths.empty());
     const auto& space = w.parent->space;
     const auto points_of = [&](const Configurations& path) {

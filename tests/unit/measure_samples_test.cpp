@@ -13,6 +13,7 @@
 #include <trellis/measure/samples.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "verify/measure_cases.hpp"
 
 using namespace trellis;
@@ -70,16 +71,6 @@ Efficiency by(const EstimatorSpec& spec, const Target& target, const Configurati
 
 bool flagged(const Efficiency& e, const std::string& flag) {
   return std::find(e.flags.begin(), e.flags.end(), flag) != e.flags.end();
-}
-
-template <class Action>
-std::string message(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 /// Every figure of an efficiency in a row.
@@ -480,17 +471,18 @@ TEST_CASE("Results of too few samples are flagged") {
 TEST_CASE("Input that makes no figure is refused with what is wrong and what was expected") {
   Configurations bad = cloud(5, 1);
   bad.push(std::vector{1.0, not_a_number});
-  CHECK(message([&] { efficiency(capsule(), bad); }) == "measure: sample 6 has a coordinate that is not finite");
+  CHECK(test::fault_of([&] { efficiency(capsule(), bad); }) == "measure: sample 6 has a coordinate that is not finite");
   Configurations endless(2);
   endless.push(std::vector{-infinity, 1.0});
-  CHECK(message([&] { efficiency(capsule(), endless); }) == "measure: sample 1 has a coordinate that is not finite");
+  CHECK(test::fault_of([&] { efficiency(capsule(), endless); }) ==
+        "measure: sample 1 has a coordinate that is not finite");
   Configurations flat(3);
   flat.push(std::vector{1.0, 2.0, 3.0});
-  CHECK(message([&] { efficiency(capsule(), flat); }) ==
+  CHECK(test::fault_of([&] { efficiency(capsule(), flat); }) ==
         "measure: the samples have 3 coordinates, the target's space R^2 has 2");
 
   const auto tube = [&](const Configurations& path, double delta) {
-    return message([&] {
+    return test::fault_of([&] {
       TubeSettings settings;
       settings.delta = delta;
       Target(plane(), path, {0, 1}, settings, verify::anywhere, 1);
@@ -506,7 +498,7 @@ TEST_CASE("Input that makes no figure is refused with what is wrong and what was
   CHECK(tube(path_of({{1, 5, 0}, {2, 5, 0}}), 0.5) == "tube: the path has 3 coordinates, the space R^2 has 2");
   CHECK(tube(path_of({{1, 5}, {11, 5}, {2, 2}}), 0.5) == "tube: waypoint 2 of the path lies outside of the space R^2");
   CHECK(tube(path_of({{1, 5}, {2, not_a_number}}), 0.5) == "tube: waypoint 2 of the path is not finite");
-  CHECK_THAT(message([&] { Target(plane(), path, {0, 1}, {}, {}, 1); }), Catch::Contains("needs a validity"));
+  CHECK_THAT(test::fault_of([&] { Target(plane(), path, {0, 1}, {}, {}, 1); }), Catch::Contains("needs a validity"));
 
   // A tube without a valid configuration has a reason and no number.
   const Target invalid(
@@ -525,7 +517,7 @@ TEST_CASE("A target given by a distribution is checked draw by draw") {
   Stream stream(10, "", "draws");
   for (int i = 0; i < 64; ++i) good.samples.push(std::vector{stream.uniform(0, 10), stream.uniform(0, 10)});
   const auto refusal = [](const Target::Distribution& given, double delta = 0.5) {
-    return message([&] {
+    return test::fault_of([&] {
       TargetSettings settings;
       settings.delta = delta;
       Target::distribution(plane(), settings, given);
@@ -553,7 +545,7 @@ TEST_CASE("A target given by a distribution is checked draw by draw") {
     density.log_density = [wrong](View) { return wrong; };
     CHECK_THAT(refusal(density), Catch::Contains("at draw 1, expected a finite number"));
   }
-  CHECK_THAT(message([] {
+  CHECK_THAT(test::fault_of([] {
                TargetSettings settings;
                settings.delta = -1.0;
                Target::region(plane(), settings, verify::anywhere, 1);

@@ -19,6 +19,7 @@
 #include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/worlds.hpp"
 
@@ -58,12 +59,7 @@ std::string bytes_of(const std::string& file) {
 void write(const std::string& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
 
 std::string fault_of(const std::string& file, Library::Mode mode) {
-  try {
-    static_cast<void>(Library(file, mode).paths());
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::fault_of([&] { static_cast<void>(Library(file, mode).paths()); });
 }
 
 bool same(const Configurations& a, const Configurations& b) {

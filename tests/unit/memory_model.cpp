@@ -12,6 +12,7 @@
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/learning_tasks.hpp"
 
@@ -40,12 +41,7 @@ const Model& learnt() {
 const Box2 square{{0, 0}, {10, 10}};
 
 std::string fault_of(const std::string& file) {
-  try {
-    static_cast<void>(Model::load(file));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::fault_of([&] { static_cast<void>(Model::load(file)); });
 }
 
 }  // namespace

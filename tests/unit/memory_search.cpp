@@ -16,6 +16,7 @@
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/learning_tasks.hpp"
 
@@ -75,12 +76,7 @@ double sign_test(std::size_t wins, std::size_t n) {
 }
 
 std::string fault_of(const std::string& file) {
-  try {
-    static_cast<void>(SearchModel::load(file));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::fault_of([&] { static_cast<void>(SearchModel::load(file)); });
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/recording_guidance.hpp"
 
@@ -64,13 +65,10 @@ void check_path(Search2& run, const Solution& solution) {
 }
 
 std::string fault(const std::vector<Options::Entry>& given, const Problem& problem) {
-  try {
+  return test::fault_of([&] {
     Search2 run(problem, given);
     static_cast<void>(run.solve());
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 }  // namespace

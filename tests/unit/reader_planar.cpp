@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/image.hpp"
 #include "support/scenes.hpp"
@@ -28,12 +29,7 @@ std::string written(const test::Folder& folder, const std::string& name, const s
 }
 
 std::string fault_of(const std::string& path, const ReadOptions& options = {}) {
-  try {
-    read_problems(path, options);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return test::fault_of([&] { read_problems(path, options); });
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
+#include "support/folder.hpp"
 #include "support/scenes.hpp"
 #include "unit/scene_brute.hpp"
 
@@ -26,36 +28,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder that goes when the test ends.
-class Folder {
+/// A folder whose files may be in folders of it.
+class Folder : public test::Folder {
  public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "trellis_reader_XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
+  std::string write(const std::string& name, const std::string& text) const {
+    fs::create_directories((path() / name).parent_path());
+    return test::Folder::write(name, text);
   }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::string write(const std::string& name, const std::string& content) const {
-    const fs::path path = path_ / name;
-    fs::create_directories(path.parent_path());
-    std::ofstream(path) << content;
-    return path.string();
-  }
-
- private:
-  fs::path path_;
 };
 
 std::string fault_of(const std::string& path, const ReadOptions& options = {}) {
-  try {
-    read_problems(path, options);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return test::fault_of([&] { read_problems(path, options); });
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -10,6 +10,7 @@
 #include <trellis/reader/robot_files.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"
 
@@ -46,12 +47,7 @@ const char* const head = R"(<robot name="r"><link name="a"/><link name="b"/>)";
 std::string fault_of(const std::string& text) {
   const test::Folder folder;
   const std::string path = folder.write("robot.urdf", text);
-  try {
-    static_cast<void>(read_urdf(path));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::fault_of([&] { static_cast<void>(read_urdf(path)); });
 }
 
 }  // namespace

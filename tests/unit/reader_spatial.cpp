@@ -41,18 +41,6 @@ bool valid(const Problem& problem, View q) {
   return make_checker(problem.collision, problem.scene, problem.space, problem.resolution)->valid(q);
 }
 
-std::string text_of_box(double x, double y, double z) {
-  std::string text;
-  for (const double a : {0.0, x}) {
-    for (const double b : {0.0, y}) {
-      for (const double c : {0.0, z}) {
-        text += "v " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
-      }
-    }
-  }
-  return text + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
-}
-
 const std::string environment =
     "# a comment\nBoundary Box [-10:10 ; -10:10 ; -10:10 ]\n\nMultibodies\n3\n\nActive\n1\n#VIZMO_COLOR 1 0 0\n"
     "rod.obj Volumetric Rotational\nConnections\n0\n\nPassive\nblock.obj -c(0.8 0.8 0.8 1) 1 2 3 0 0 90\n\nPassive\n"
@@ -63,8 +51,8 @@ class PplFolder : public test::Folder {
  public:
   explicit PplFolder(const std::string& text = environment,
                      const std::string& query = "0 5 5 5 0 0 0\n0 5 5 -5 0.5 0 0\n") {
-    static_cast<void>(write("rod.obj", text_of_box(4, 1, 1)));
-    static_cast<void>(write("block.obj", text_of_box(2, 4, 1)));
+    static_cast<void>(write("rod.obj", box_text(4, 1, 1)));
+    static_cast<void>(write("block.obj", box_text(2, 4, 1)));
     path = write("a.env", text);
     if (!query.empty()) static_cast<void>(write("a.query", query));
   }

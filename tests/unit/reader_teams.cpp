@@ -10,7 +10,9 @@
 #include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "support/folder.hpp"
+#include "unit/scene_spatial.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
@@ -18,12 +20,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 std::string fault_of(const std::string& path, const ReadOptions& options = {}) {
-  try {
-    read_problems(path, options);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return test::fault_of([&] { read_problems(path, options); });
 }
 
 const std::string map = "type octile\nheight 2\nwidth 4\nmap\n....\n..@.\n";
@@ -34,18 +31,6 @@ const std::string agents =
     "0\tfour.map\t4\t2\t0\t1\t3\t1\t4\n"
     "0\tfour.map\t4\t2\t0\t0\t1\t1\t2\n";
 
-std::string box_text(double x, double y, double z) {
-  std::string text;
-  for (const double a : {0.0, x}) {
-    for (const double b : {0.0, y}) {
-      for (const double c : {0.0, z}) {
-        text += "v " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
-      }
-    }
-  }
-  return text + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
-}
-
 std::string environment(const std::string& second) {
   return "Boundary Box [-10:10 ; -10:10]\n\nMultibodies\n3\n\nActive\n1\nrod.obj Planar Rotational\nConnections\n0\n\n"
          "Active\n1\n" +
@@ -53,10 +38,10 @@ std::string environment(const std::string& second) {
 }
 
 std::string written(const test::Folder& folder, const std::string& second, const std::string& query) {
-  static_cast<void>(folder.write("rod.obj", box_text(4, 1, 1)));
-  static_cast<void>(folder.write("cube.obj", box_text(1, 1, 1)));
-  static_cast<void>(folder.write("high.obj", box_text(1, 1, 9)));
-  static_cast<void>(folder.write("block.obj", box_text(2, 4, 1)));
+  static_cast<void>(folder.write("rod.obj", spatial_tests::box_text(4, 1, 1)));
+  static_cast<void>(folder.write("cube.obj", spatial_tests::box_text(1, 1, 1)));
+  static_cast<void>(folder.write("high.obj", spatial_tests::box_text(1, 1, 9)));
+  static_cast<void>(folder.write("block.obj", spatial_tests::box_text(2, 4, 1)));
   static_cast<void>(folder.write("a.query", query));
   return folder.write("a.env", environment(second));
 }

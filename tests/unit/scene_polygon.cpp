@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
@@ -17,12 +18,7 @@ namespace {
 const Polygon square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
 
 std::string fault_of(const Polygon& polygon) {
-  try {
-    validated_polygon(polygon, "obstacle 3");
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return test::fault_of([&] { validated_polygon(polygon, "obstacle 3"); });
 }
 
 bool convex(const Polygon& polygon) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/fault.hpp"
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
@@ -16,21 +17,12 @@
 
 using namespace trellis;
 using Catch::Matchers::Contains;
+using test::fault_of;
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double inf = std::numeric_limits<double>::infinity();
-
-template <class F>
-std::string fault_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
-}
 
 Body box_body(const Box2& box, int parent, Vec2 joint, int axis, bool absolute = false) {
   Body body;

@@ -8,25 +8,31 @@
 #include <string>
 #include <vector>
 
-#include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/scene/spatial/shapes.hpp>
+
+#include "support/fault.hpp"
 
 // Meshes and random parts for the tests of scenes in space.
 
 namespace trellis::spatial_tests {
 
+using test::fault_of;
+
 constexpr double pi = std::numbers::pi;
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-template <class F>
-std::string fault_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.what();
+/// A box in the format OBJ.
+inline std::string box_text(double x, double y, double z) {
+  std::string text;
+  for (const double a : {0.0, x}) {
+    for (const double b : {0.0, y}) {
+      for (const double c : {0.0, z}) {
+        text += "v " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+      }
+    }
   }
-  return "";
+  return text + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
 }
 
 /// Vertices and triangles before they are a mesh.

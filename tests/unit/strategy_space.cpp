@@ -15,29 +15,17 @@
 #include "support/catch.hpp"
 #include "support/folder.hpp"
 #include "support/guides.hpp"
+#include "support/space.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
 
 namespace {
 
-/// A plank that has to turn to pass the slot between two blocks, with a ball and a mesh beside it.
+/// The slot with a ball and a mesh beside it.
 Problem slot() {
-  const auto tetrahedron =
-      std::make_shared<const Mesh>(Mesh::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, "tetrahedron"));
-  World3 world({{0, 0, 0}, {10, 10, 10}}, {{"lower block", {Cuboid{{2, 10, 4.4}}, {{5, 5, 2.2}, {}}}},
-                                           {"upper block", {Cuboid{{2, 10, 4.4}}, {{5, 5, 7.8}, {}}}},
-                                           {"ball", {Sphere{0.6}, {{2.5, 5, 5}, {}}}},
-                                           {"tetrahedron", {tetrahedron, {{8, 4, 4}, {}}}}});
-  Robot3 plank("plank", {{Cuboid{{1.6, 1.0, 0.2}}, {}}});
-  Problem problem;
-  problem.name = "slot";
-  problem.scene = std::make_shared<const SpatialScene>(std::move(world), std::move(plank));
-  problem.space = problem.scene->default_space(problem.scene->bounding_radius());
-  const double half = std::sqrt(0.5);
-  problem.start = {1, 5, 5, 0, half, 0, half};
-  problem.goals = {{9, 5, 6, half, 0, 0, half}};
-  problem.collision = "fcl";
+  Problem problem = test::slot_problem();
+  problem.scene = problem.scene->with_obstacles({0, 1, 2, 5});
   return problem;
 }
 
@@ -63,9 +51,7 @@ TEST_CASE("every guide plans for a body in space, or says in a sentence why not"
     const std::string& name = kind.component->name;
     if (name == "experience") continue;  // needs a library: below
     INFO(name);
-    std::vector<Options::Entry> options;
-    if (name == "learned") options.emplace_back("model", std::string("none.model"));
-    const StrategySpec strategy(planner(), GuideSpec::make(name, options));
+    const StrategySpec strategy(planner(), test::guide_of(kind));
     if (std::find(planar.begin(), planar.end(), name) != planar.end()) {
       CHECK_THROWS_AS(execute(strategy, problem, 1), Error);
       continue;

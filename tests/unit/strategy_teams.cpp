@@ -19,6 +19,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -352,29 +353,18 @@ TEST_CASE("a guide of single robots guides each robot of a divided team", "[team
 TEST_CASE("every guide guides a divided team, and is guided by one, or says in a sentence why not", "[team]") {
   const Problem problem = test::team_problem();
   const auto planner = PlannerSpec::make("rrt_connect", {{"bound", 0.0}, {"proposals", 300.0}});
-  int ran = 0;
-  for (const GuideKind& kind : guide_kinds()) {
-    const std::string& name = kind.component->name;
-    std::vector<Options::Entry> options;
-    if (name == "learned") options.emplace_back("model", std::string("none.model"));
-    if (name == "experience" || name == "path_database") options.emplace_back("db", std::string("none.db"));
-    const GuideSpec guide = GuideSpec::make(name, options);
+  const auto pairs = [](const GuideSpec& guide) {
+    std::vector<GuideSpec> all;
     for (const char* division : {"team", "decouple", "prioritise", "couple"}) {
       const GuideSpec team = GuideSpec::make(division, {});
-      std::vector<GuideSpec> pairs = {guide >> team, guide + team};
-      if (guide.searches()) pairs.push_back(team >> guide);
-      for (const GuideSpec& both : pairs) {
-        CAPTURE(both.text());
-        try {
-          const RunRecord run = execute(both >> planner, problem, 1);
-          if (run.solved) check_path(problem, run.path);
-          ++ran;
-        } catch (const Error& error) {
-          CHECK(std::string(error.what()).size() > 20);
-        }
-      }
+      all.push_back(guide >> team);
+      all.push_back(guide + team);
+      if (guide.searches()) all.push_back(team >> guide);
     }
-  }
+    return all;
+  };
+  const int ran = test::plan_with_every_guide(problem, planner, pairs,
+                                              [&](const RunRecord& run) { check_path(problem, run.path); });
   CHECK(ran > 150);
 }
 

@@ -17,6 +17,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -240,25 +241,12 @@ TEST_CASE("every guide of a team of cars plans, or says in a sentence why not", 
   const Problem problem = crossing(2, car());
   const auto planner =
       PlannerSpec::make("kinodynamic_rrt", {{"bound", 0.0}, {"proposals", 500.0}, {"extend", std::string("curves")}});
-  int ran = 0;
-  for (const GuideKind& kind : guide_kinds()) {
-    const std::string& name = kind.component->name;
-    std::vector<Options::Entry> options;
-    if (name == "learned") options.emplace_back("model", std::string("none.model"));
-    if (name == "experience" || name == "path_database") options.emplace_back("db", std::string("none.db"));
-    const GuideSpec guide = GuideSpec::make(name, options);
-    for (const char* division : {"", "team", "prioritise", "decouple"}) {
-      const GuideSpec both = division[0] == '\0' ? guide : guide >> GuideSpec::make(division, {});
-      CAPTURE(both.text());
-      try {
-        const RunRecord run = execute(both >> planner, problem, 1);
-        if (run.solved) check_run(problem, run);
-        ++ran;
-      } catch (const Error& error) {
-        CHECK(std::string(error.what()).size() > 20);
-      }
-    }
-  }
+  const int ran = test::plan_with_every_guide(
+      problem, planner,
+      [](const GuideSpec& guide) {
+        return test::above(guide, {"team", "prioritise", "decouple"});
+      },
+      [&](const RunRecord& run) { check_run(problem, run); });
   CHECK(ran > 30);
 }
 

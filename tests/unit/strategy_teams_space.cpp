@@ -22,6 +22,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/guides.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
@@ -411,25 +412,12 @@ TEST_CASE("planners plan in the product of the spaces of bodies", "[team]") {
 TEST_CASE("every guide plans for a team in space, or says in a sentence why not", "[team]") {
   const Problem problem = crossing(2);
   const auto planner = PlannerSpec::make("rrt_connect", {{"bound", 0.0}, {"proposals", 300.0}});
-  int ran = 0;
-  for (const GuideKind& kind : guide_kinds()) {
-    const std::string& name = kind.component->name;
-    std::vector<Options::Entry> options;
-    if (name == "learned") options.emplace_back("model", std::string("none.model"));
-    if (name == "experience" || name == "path_database") options.emplace_back("db", std::string("none.db"));
-    const GuideSpec guide = GuideSpec::make(name, options);
-    for (const char* division : {"", "team", "prioritise", "couple"}) {
-      const GuideSpec both = division[0] == '\0' ? guide : guide >> GuideSpec::make(division, {});
-      CAPTURE(both.text());
-      try {
-        const RunRecord run = execute(both >> planner, problem, 1);
-        if (run.solved) check_path(problem, run.path);
-        ++ran;
-      } catch (const Error& error) {
-        CHECK(std::string(error.what()).size() > 20);
-      }
-    }
-  }
+  const int ran = test::plan_with_every_guide(
+      problem, planner,
+      [](const GuideSpec& guide) {
+        return test::above(guide, {"team", "prioritise", "couple"});
+      },
+      [&](const RunRecord& run) { check_path(problem, run.path); });
   CHECK(ran > 40);
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/tail_validity.hpp>
+#include <trellis/guide/along_space.hpp>
 #include <trellis/guide/team.hpp>
 
 namespace trellis {
@@ -34,7 +34,7 @@ class DrivenSpace::Placement {
     std::vector<std::shared_ptr<const MotionModel>> models;
     std::vector<std::vector<std::size_t>> axes;
     std::size_t first = along_.size();
-    std::vector<Axis> clocks;
+    std::vector<double> lengths;
     constexpr double share = 0.04;  // of the diameter of the other coordinates: to be near means to be near in these
     double widest = 1.0;
     for (const std::size_t r : robots_) {
@@ -47,9 +47,7 @@ class DrivenSpace::Placement {
       const double duration = dt_ * static_cast<double>(along_[g].steps());
       models.push_back(std::make_shared<const PathClock>(duration, dt_));
       axes.push_back({g});
-      const std::string number = along_.size() == 1 ? "" : std::to_string(g + 1);
-      const double length = duration + 0.5 * dt_;
-      clocks.push_back({"along" + number, 0.0, length, std::min(1.0, widest / length), false});
+      lengths.push_back(duration + 0.5 * dt_);
     }
     for (const std::size_t r : robots_) {
       models.push_back(model.parts()[r].model);
@@ -59,14 +57,7 @@ class DrivenSpace::Placement {
       axes.push_back(std::move(columns));
     }
     motion_ = models.size() == 1 ? models.front() : std::make_shared<const TeamModel>(models, axes);
-    if (clocks.empty()) {
-      space_ = own;
-    } else {
-      const Space product = Space::product({{1.0, Space(name, std::move(clocks))}, {1.0, own}});
-      std::vector<std::size_t> columns(product.dimension());
-      std::iota(columns.begin(), columns.end(), std::size_t{0});
-      space_ = product.part(columns, name);
-    }
+    space_ = space_along(lengths, widest, own, name);
   }
 
   [[nodiscard]] const std::vector<DrivenPath>& along() const { return along_; }
@@ -97,15 +88,21 @@ class DrivenSpace::Placement {
   }
   /// Writes a state of the team.
   /// \param steps  of each motion
-  void place(const std::vector<std::size_t>& steps, View own, MutableView q) const {
+  void place_team(const std::vector<std::size_t>& steps, View own, MutableView q) const {
     std::copy(start_.begin(), start_.end(), q.begin());
     for (std::size_t g = 0; g < along_.size(); ++g) overlay(g, steps[g], q);
     for (std::size_t j = 0; j < own_.size(); ++j) q[own_[j]] = own[j];
   }
-  void place(View s, MutableView q) const {
+  void place_team(View s, MutableView q) const {
     std::vector<std::size_t> steps(along_.size());
     for (std::size_t g = 0; g < steps.size(); ++g) steps[g] = step_of(g, s[g]);
-    place(steps, s.subspan(along_.size()), q);
+    place_team(steps, s.subspan(along_.size()), q);
+  }
+  /// Writes the configuration of the robots that it places.
+  void place(View s, MutableView q) const {
+    Configuration whole(team_.dimension());
+    place_team(s, whole);
+    pick(whole, q);
   }
   /// Calls `f(steps, own)` for the states of a motion of S after each step, in turn, until it returns false; its first
   /// argument is how far it is, from 0 to 1.
@@ -129,6 +126,24 @@ class DrivenSpace::Placement {
       if (!f(share, steps, View(s).subspan(along_.size()))) break;
     }
     return true;
+  }
+  [[nodiscard]] std::size_t places() const { return placed_.size(); }
+  [[nodiscard]] bool keeps(View s) const { return space_.contains(s) && motion_->admits(s); }
+  /// Calls `f(before, after)` with `from` and `to`, of `placed`, at the ends of each step, until it returns false.
+  /// \return false where robots would go back
+  template <class F>
+  bool each_piece(View a, View b, Configuration& from, Configuration& to, const F& f) const {
+    place(a, from);
+    Configuration whole(team_.dimension());
+    double before = 0.0;
+    return each_step(a, b, [&](double after, const std::vector<std::size_t>& steps, View own) {
+      place_team(steps, own, whole);
+      pick(whole, to);
+      if (!f(before, after)) return false;
+      before = after;
+      std::swap(from, to);
+      return true;
+    });
   }
   /// The controls of the team in one step.
   /// \param before, after  steps of each motion
@@ -157,6 +172,10 @@ class DrivenSpace::Placement {
   }
 
  private:
+  void pick(View whole, MutableView q) const {
+    for (std::size_t j = 0; j < placed_.size(); ++j) q[j] = whole[placed_[j]];
+  }
+
   std::vector<DrivenPath> along_;
   std::vector<std::size_t> robots_;
   Configuration start_;  ///< of the team
@@ -171,92 +190,6 @@ class DrivenSpace::Placement {
   std::size_t controls_ = 0;
 };
 
-namespace {
-
-/// Validity of what a configuration of S places, and of the motions between: those of the steps.
-/// \tparam P  DrivenSpace::Placement
-template <class P>
-class DrivenValidity final : public Validity {
- public:
-  DrivenValidity(std::shared_ptr<const P> placement, std::shared_ptr<Validity> placed)
-      : placement_(std::move(placement)),
-        placed_(std::move(placed)),
-        whole_(placement_->team().dimension()),
-        from_(placement_->placed().size()),
-        to_(placement_->placed().size()) {}
-
-  [[nodiscard]] bool state(View s) override {
-    if (!keeps_limits(s)) return false;
-    placement_->place(s, whole_);
-    pick(from_);
-    return placed_->state(from_);
-  }
-  [[nodiscard]] MotionReport motion(View a, View b) override {
-    MotionReport all{true, 0, std::numeric_limits<double>::quiet_NaN()};
-    if (!keeps_limits(b)) return {false, 1, 1.0};
-    const bool forwards = each_piece(a, b, [&](double before, double after) {
-      const MotionReport piece = placed_->motion(from_, to_);
-      all.checks += piece.checks;
-      if (piece.valid) return true;
-      all.valid = false;
-      all.invalid_at = before + piece.invalid_at * (after - before);
-      return false;
-    });
-    return forwards ? all : MotionReport{false, 1, 1.0};
-  }
-  void certify(View a, View b, Certificate& certificate) override {
-    if (!keeps_limits(b)) {
-      certificate.refuted_at = 1.0;
-      return;
-    }
-    const bool forwards = each_piece(a, b, [&](double before, double after) {
-      placed_->certify(from_, to_, certificate);
-      if (!certificate.refuted_at) return true;
-      certificate.refuted_at = before + *certificate.refuted_at * (after - before);
-      return false;
-    });
-    if (!forwards) certificate.refuted_at = 1.0;
-  }
-  [[nodiscard]] double clearance(View s) override { return placed_->clearance(at(s)); }
-  [[nodiscard]] std::optional<Contact> contact(View s) override { return placed_->contact(at(s)); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return placed_->nearest_obstacle(at(s)); }
-
- private:
-  [[nodiscard]] bool keeps_limits(View s) const {
-    return placement_->space().contains(s) && placement_->motion()->admits(s);
-  }
-  void pick(Configuration& out) const {
-    for (std::size_t j = 0; j < out.size(); ++j) out[j] = whole_[placement_->placed()[j]];
-  }
-  const Configuration& at(View s) {
-    placement_->place(s, whole_);
-    pick(from_);
-    return from_;
-  }
-  /// Calls `f` with `from_` and `to_` at the ends of each step, until it returns false.
-  template <class F>
-  bool each_piece(View a, View b, const F& f) {
-    at(a);
-    double before = 0.0;
-    return placement_->each_step(a, b, [&](double after, const std::vector<std::size_t>& steps, View own) {
-      placement_->place(steps, own, whole_);
-      pick(to_);
-      if (!f(before, after)) return false;
-      before = after;
-      std::swap(from_, to_);
-      return true;
-    });
-  }
-
-  std::shared_ptr<const P> placement_;
-  std::shared_ptr<Validity> placed_;
-  Configuration whole_;
-  Configuration from_;
-  Configuration to_;
-};
-
-}  // namespace
-
 DrivenSpace::DrivenSpace(const Instance& parent, std::vector<DrivenPath> along, std::vector<std::size_t> robots,
                          const std::string& name)
     : placement_(std::make_shared<const Placement>(parent, std::move(along), std::move(robots), name)) {}
@@ -269,40 +202,15 @@ std::unique_ptr<Instance> DrivenSpace::project(const Instance& parent) {
   auto instance = std::make_unique<Instance>();
   instance->space = placement.space();
   instance->motion_model = placement.motion();
-  instance->validity = std::make_shared<DrivenValidity<Placement>>(
+  instance->validity = std::make_shared<AlongValidity<Placement>>(
       placement_, make_validity(parent.collision, scene, placement.team().part(placement.placed(), "robots"),
                                 parent.resolution, nullptr));
-  const std::size_t first = placement.along().size();
-  instance->scene = scene;
-  if (!placement.robots().empty()) {
-    instance->scene = parent.scene->reduced(axes_of(members, placement.robots()));
-    if (instance->scene->translates()) {
-      instance->position_axes.resize(instance->scene->world_dimension());
-      std::iota(instance->position_axes.begin(), instance->position_axes.end(), first);
-    }
-  }
-  project_ends(*this, parent, *instance);
-  // A motion may pass the places of its ends in between.
-  for (std::size_t g = 0; g < first; ++g) {
-    instance->start[g] = 0.0;
-    for (Configuration& goal : instance->goals) {
-      goal[g] = placement.dt() * static_cast<double>(placement.along()[g].steps());
-    }
-  }
+  instance->scene = placement.robots().empty() ? scene : parent.scene->reduced(axes_of(members, placement.robots()));
+  std::vector<double> ends;
+  for (const DrivenPath& path : placement.along()) ends.push_back(placement.dt() * static_cast<double>(path.steps()));
+  complete_along(*this, parent, ends, *instance);
   // The distances of all robots together are within the tolerance of the team where each one's is.
   instance->goal_tolerance = parent.goal_tolerance / std::sqrt(static_cast<double>(members.size()));
-  instance->resolution = parent.resolution;
-  instance->collision = parent.collision;
-  if (first > 0) {
-    // Another robot in the place of the one that is driven: among the obstacles, without those that follow motions.
-    std::vector<std::size_t> columns(placement.own().size());
-    std::iota(columns.begin(), columns.end(), first);
-    const Space own = placement.space().part(columns, "robots");
-    instance->validity_of = [own, first, collision = parent.collision,
-                             resolution = parent.resolution](const std::shared_ptr<const Scene>& other) {
-      return std::make_shared<TailValidity>(make_validity(collision, other, own, resolution, nullptr), first);
-    };
-  }
   return instance;
 }
 
@@ -356,13 +264,13 @@ DrivenPath DrivenSpace::driven(const Solution& found) const {
     rows.insert(rows.end(), found.trajectory.steps[row], row);
   }
   std::vector<std::size_t> steps(placement.along().size(), 0);
-  placement.place(found.path[0], q);
+  placement.place_team(found.path[0], q);
   motion.states.push(q);
   for (std::size_t g = 0; g < steps.size(); ++g) steps[g] = placement.step_of(g, found.path[0][g]);
   for (std::size_t i = 1; i < found.path.size(); ++i) {
     const View own_control = rows.empty() ? View() : View(found.trajectory.controls[rows[i - 1]]);
     placement.each_step(found.path[i - 1], found.path[i], [&](double, const std::vector<std::size_t>& after, View own) {
-      placement.place(after, own, q);
+      placement.place_team(after, own, q);
       placement.control(steps, after, own_control, u);
       motion.states.push(q);
       motion.controls.push(u);

@@ -72,7 +72,6 @@ class TeamSpace final : public Guide {
   class Embedding;
 
   std::shared_ptr<const Embedding> embedding_;
-  Space space_;
   std::string name_;
 };
 

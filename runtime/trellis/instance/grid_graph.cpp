@@ -8,13 +8,14 @@
 
 namespace trellis {
 
-namespace {
-
-Graph grid_in_space(const Instance& instance, double cell) {
+Graph grid_graph(const Instance& instance, double cell) {
   const auto& axes = instance.space.axes();
+  // A plane is a layer of cells.
+  const bool flat = instance.space.dimension() != 3;
+  const std::size_t n = flat ? 2 : 3;
   std::array<std::uint32_t, 3> cells{};
   std::array<double, 3> step{};
-  for (std::size_t j = 0; j < 3; ++j) {
+  for (std::size_t j = 0; j < n; ++j) {
     const double extent = axes[j].hi - axes[j].lo;
     const double count = std::max(1.0, std::ceil(extent / cell));
     cells[j] = static_cast<std::uint32_t>(count);
@@ -22,10 +23,9 @@ Graph grid_in_space(const Instance& instance, double cell) {
   }
   Graph graph;
   graph.verified = false;
-  graph.vertices = Configurations(3);
-  const auto at = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    return (z * (cells[1] + 1) + y) * (cells[0] + 1) + x;
-  };
+  graph.vertices = Configurations(n);
+  const std::uint32_t row = cells[0] + 1;
+  const auto at = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return (z * (cells[1] + 1) + y) * row + x; };
   const auto for_each = [&](const std::array<std::uint32_t, 3>& from, const std::array<std::uint32_t, 3>& to,
                             const auto& visit) {
     for (std::uint32_t z = from[2]; z <= to[2]; ++z) {
@@ -39,11 +39,21 @@ Graph grid_in_space(const Instance& instance, double cell) {
     graph.edges.push_back({a, b, length, Configurations()});
   };
   for_each({}, cells, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    graph.vertices.push(std::array{axes[0].lo + x * step[0], axes[1].lo + y * step[1], axes[2].lo + z * step[2]});
+    const std::array q{axes[0].lo + x * step[0], axes[1].lo + y * step[1], flat ? 0.0 : axes[2].lo + z * step[2]};
+    graph.vertices.push(View(q).first(n));
   });
-  // Of the 26 neighbours of a vertex, half: those that come later in the order of vertices.
+  if (flat) graph.edges.reserve(std::size_t{4} * row * (cells[1] + 1) + 64);
   for_each({}, cells, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     const std::uint32_t here = at(x, y, z);
+    if (flat) {
+      if (x < cells[0]) join(here, here + 1);
+      if (y == cells[1]) return;
+      join(here, here + row);
+      if (x < cells[0]) join(here, here + row + 1);
+      if (x > 0) join(here, here + row - 1);
+      return;
+    }
+    // Of the 26 neighbours of a vertex, half: those that come later in the order of vertices.
     const std::array<std::uint32_t, 3> from{x == 0 ? 0 : x - 1, y == 0 ? 0 : y - 1, z};
     const std::array<std::uint32_t, 3> to{std::min(x + 1, cells[0]), std::min(y + 1, cells[1]),
                                           std::min(z + 1, cells[2])};
@@ -55,7 +65,7 @@ Graph grid_in_space(const Instance& instance, double cell) {
     const std::uint32_t vertex = graph.vertices.push(q);
     std::array<std::uint32_t, 3> from{};
     std::array<std::uint32_t, 3> to{};
-    for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t j = 0; j < n; ++j) {
       // The cell of q and the cells around it.
       const double place = std::clamp(std::floor((q[j] - axes[j].lo) / step[j]), 0.0, cells[j] - 1.0);
       from[j] = static_cast<std::uint32_t>(std::max(place - 1.0, 0.0));
@@ -64,74 +74,11 @@ Graph grid_in_space(const Instance& instance, double cell) {
     for_each(from, to, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) { join(vertex, at(x, y, z)); });
     return vertex;
   };
+  const double diagonal = flat ? std::hypot(step[0], step[1]) : std::hypot(step[0], step[1], step[2]);
   graph.start = join_end(instance.start);
   for (const Configuration& goal : instance.goals) {
     graph.goals.push_back(join_end(goal));
-    if (instance.space.distance(instance.start, goal) <= 2.0 * std::hypot(step[0], step[1], step[2])) {
-      join(graph.start, graph.goals.back());
-    }
-  }
-  return graph;
-}
-
-}  // namespace
-
-Graph grid_graph(const Instance& instance, double cell) {
-  if (instance.space.dimension() == 3) return grid_in_space(instance, cell);
-  const auto& axes = instance.space.axes();
-  std::array<std::uint32_t, 2> cells{};
-  std::array<double, 2> step{};
-  for (std::size_t j = 0; j < 2; ++j) {
-    const double extent = axes[j].hi - axes[j].lo;
-    const double count = std::max(1.0, std::ceil(extent / cell));
-    cells[j] = static_cast<std::uint32_t>(count);
-    step[j] = extent / count;
-  }
-  Graph graph;
-  graph.verified = false;
-  graph.vertices = Configurations(2);
-  const std::uint32_t row = cells[0] + 1;
-  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
-    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
-      graph.vertices.push(std::array{axes[0].lo + x * step[0], axes[1].lo + y * step[1]});
-    }
-  }
-  const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    const double length = instance.space.distance(std::as_const(graph.vertices)[a], std::as_const(graph.vertices)[b]);
-    graph.edges.push_back({a, b, length, Configurations()});
-  };
-  graph.edges.reserve(std::size_t{4} * row * (cells[1] + 1) + 64);
-  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
-    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
-      const std::uint32_t at = y * row + x;
-      if (x < cells[0]) join(at, at + 1);
-      if (y == cells[1]) continue;
-      join(at, at + row);
-      if (x < cells[0]) join(at, at + row + 1);
-      if (x > 0) join(at, at + row - 1);
-    }
-  }
-  const auto join_end = [&](const Configuration& q) {
-    const std::uint32_t vertex = graph.vertices.push(q);
-    std::array<std::uint32_t, 2> from{};
-    std::array<std::uint32_t, 2> to{};
-    for (std::size_t j = 0; j < 2; ++j) {
-      // The cell of q and the cells around it.
-      const double place = std::clamp(std::floor((q[j] - axes[j].lo) / step[j]), 0.0, cells[j] - 1.0);
-      from[j] = static_cast<std::uint32_t>(std::max(place - 1.0, 0.0));
-      to[j] = std::min(static_cast<std::uint32_t>(place) + 2, cells[j]);
-    }
-    for (std::uint32_t y = from[1]; y <= to[1]; ++y) {
-      for (std::uint32_t x = from[0]; x <= to[0]; ++x) join(vertex, y * row + x);
-    }
-    return vertex;
-  };
-  graph.start = join_end(instance.start);
-  for (const Configuration& goal : instance.goals) {
-    graph.goals.push_back(join_end(goal));
-    if (instance.space.distance(instance.start, goal) <= 2.0 * std::hypot(step[0], step[1])) {
-      join(graph.start, graph.goals.back());
-    }
+    if (instance.space.distance(instance.start, goal) <= 2.0 * diagonal) join(graph.start, graph.goals.back());
   }
   return graph;
 }

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/strategy/conflict_search.hpp>
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -18,11 +14,8 @@
 
 #include <trellis/guide/team_space.hpp>
 #include <trellis/instance/certified_validity.hpp>
-#include <trellis/planner/loop.hpp>
-#include <trellis/planner/pruning.hpp>
 #include <trellis/scene/team_times.hpp>
 #include <trellis/strategy/team_parts.hpp>
-#include <trellis/strategy/team_search.hpp>
 
 namespace trellis {
 
@@ -33,43 +26,18 @@ namespace {
 /// about it; only the robots in conflict there leave their paths, and only in the window. The others move along theirs,
 /// as one coordinate of each search. Where the window has no path, it grows to both sides. A repaired window does not
 /// change what follows it, so each repair leaves a longer beginning without conflicts.
-class ConflictSearch final : public Planner {
+class ConflictSearch final : public TeamPartsSearch {
  public:
-  ConflictSearch(Run& run, Level& level, PlannerSpec planner, const GuideSpec* guide, TeamDivision division,
-                 PlannerContext context)
-      : Planner(std::move(context)),
-        run_(run),
-        level_(level),
-        planner_(std::move(planner)),
-        guide_(guide),
-        division_(std::move(division)),
-        members_(context_.instance.scene->members()),
-        tries_left_(division_.tries) {}
-
-  std::optional<Status> begin(const Budget&) override {
-    Instance& instance = context_.instance;
-    if (spaces_.empty()) make_spaces();
-    if (context_.search.nodes.empty()) {
-      if (const auto invalid = remove_invalid_goals(instance)) return invalid;
-      context_.search.nodes.push(instance.start);
-      context_.search.parents.push_back(0);
-    }
-    // A further solve begins anew, with other random numbers.
-    if (found_ || tries_left_ <= 0) {
-      found_.reset();
-      tries_left_ = division_.tries;
-      begin_anew();
-    }
-    if (instance.to_goal(instance.start) > instance.goal_tolerance) return std::nullopt;
-    found_ = path_of_start(instance);
-    return Status::solved;
-  }
-
-  [[nodiscard]] bool draws() const override { return false; }
+  explicit ConflictSearch(TeamSearchContext of) : TeamPartsSearch(std::move(of)) { next_number_ = members_.size(); }
 
   std::optional<Status> step() override {
-    if (current_ != nullptr) return search();
-    if (pruning_) return prune();
+    if (current_ != nullptr) return advance_part();
+    if (pruning_) {
+      auto path = prune();
+      if (!path) return std::nullopt;
+      finish(std::move(*path));
+      return Status::solved;
+    }
     if (tries_left_ <= 0) return Status::budget_spent;
     if (alone_.size() < members_.size()) {
       begin_robot();
@@ -81,11 +49,6 @@ class ConflictSearch final : public Planner {
       find_conflict();
     }
     return std::nullopt;
-  }
-
-  [[nodiscard]] Solution solution(Status status) override {
-    if (status == Status::solved && found_) return {status, *found_, {}};
-    return {status, path_of_start(context_.instance), {}};
   }
 
  private:
@@ -106,17 +69,7 @@ class ConflictSearch final : public Planner {
     Configurations path;
   };
 
-  void make_spaces() {
-    for (const TeamMember& member : members_) {
-      spaces_.push_back(std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), member.axes,
-                                                    name_of(members_, {spaces_.size()})));
-    }
-    std::vector<std::size_t> all(context_.instance.space.dimension());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    whole_ = std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), all, "team");
-  }
-
-  void begin_anew() {
+  void begin_anew() override {
     alone_.clear();
     path_ = {};
     pairs_.clear();
@@ -125,63 +78,20 @@ class ConflictSearch final : public Planner {
     valid_to_ = 0;
   }
 
-  /// The goal of this try: all robots go to the same one.
-  [[nodiscard]] const Configuration& goal() const {
-    const Instance& instance = context_.instance;
-    return instance.goals[static_cast<std::size_t>(division_.tries - tries_left_) % instance.goals.size()];
-  }
-
-  [[nodiscard]] const GuideSpec* guide_for(std::size_t robots) const {
-    return guide_ != nullptr && guides_searches_of(*guide_, robots) ? guide_ : nullptr;
-  }
-
   /// Begins the search of the next robot alone.
   void begin_robot() {
-    const std::size_t robot = alone_.size();
-    auto part = spaces_[robot]->project(context_.instance);
-    part->goals.assign(1, Configuration(part->space.dimension()));
-    spaces_[robot]->project(goal(), part->goals.front());
-    begin_search(std::move(part), spaces_[robot], {robot});
-    if (const GuideSpec* guide = guide_for(1)) current_->guide_by(*guide);
+    const std::vector<std::size_t> robots = {alone_.size()};
+    space_ = std::make_shared<TeamSpace>(context_.instance, std::vector<RobotsPath>(), axes_of(members_, robots),
+                                         name_of(robots));
+    begin_search(part_of(*space_, 0), space_, robots);
+    guide_part(1);
   }
 
-  void begin_search(std::unique_ptr<Instance> part, std::shared_ptr<TeamSpace> space,
-                    const std::vector<std::size_t>& robots) {
-    if (certifies_) {
-      part->validity = std::make_shared<CertifiedValidity>(part->validity, exact_tolerance_of(*part));
-    }
-    space_ = std::move(space);
-    // The level of a robot alone has the same key in all runs.
-    const std::size_t number = robots.size() == 1 ? robots.front() : members_.size() + windows_++;
-    levels_.push_back(std::make_unique<Level>(run_, &level_,
-                                              fmt::format("{}/{}.{}", level_.record().key, searches_[number]++, number),
-                                              name_of(members_, robots), std::move(part), planner_, space_));
-    current_ = levels_.back().get();
-  }
-
-  /// Continues the search of a robot, or of a window.
-  std::optional<Status> search() {
-    constexpr double piece = 256.0;
-    const Advance advance = current_->advance(std::ceil(effort_), {Budget::unlimited, piece});
-    double work = 0.0;
-    for (const auto& level : levels_) work += level->work();
-    level_.count_parts(work);
-    if (advance == Advance::unfinished) return std::nullopt;
-    Level& ended = *std::exchange(current_, nullptr);
-    if (ended.record().solution.status == Status::interrupted) return Status::interrupted;
-    if (advance == Advance::nothing) {
-      certifies_ = false;
-      fail();
-      return std::nullopt;
-    }
+  std::optional<Status> end_part(Level& ended) override {
     // One after another, the robots of a window were certified in the search below.
     const bool divided = conflict_ && !conflict_->together;
-    const Configurations path = divided ? ended.solution().path : shortened(run_, ended);
-    if (!divided && !certifies_ && !certified(ended.instance(), path)) {
-      certifies_ = true;
-      return std::nullopt;
-    }
-    certifies_ = false;
+    const Configurations path = divided ? ended.solution().path : shortened(ended);
+    if (!divided && !accepts(ended, path)) return std::nullopt;
     if (conflict_) {
       repair(space_->placed(path));
     } else {
@@ -190,8 +100,7 @@ class ConflictSearch final : public Planner {
     return std::nullopt;
   }
 
-  /// The last search found no path.
-  void fail() {
+  void fail() override {
     if (!conflict_) {
       // What a robot cannot do alone, it cannot do among others.
       tries_left_ = 0;
@@ -284,13 +193,7 @@ class ConflictSearch final : public Planner {
       return;
     }
     if (valid_to_ + 1 < path.size()) return;
-    CertifiedValidity coarse(instance.validity, coarse_tolerance_of(instance));
-    pruning_.emplace(path, [&instance, coarse](View a, View b) mutable {
-      const MotionReport report = coarse.motion(a, b);
-      instance.checks.validity += report.checks;
-      ++instance.checks.motion;
-      return report.valid;
-    });
+    begin_pruning(instance, path);
   }
 
   /// Adds the robots of each two that touch each other at a place of a motion to those in conflict; where none do, of
@@ -305,11 +208,8 @@ class ConflictSearch final : public Planner {
       for (std::size_t i = 0; i < members_.size(); ++i) {
         for (std::size_t k = i + 1; k < members_.size(); ++k) {
           const Pair& pair = pair_of(i, k);
-          Configuration from(pair.axes.size()), to(pair.axes.size());
-          for (std::size_t j = 0; j < pair.axes.size(); ++j) {
-            from[j] = certifies ? a[pair.axes[j]] : q[pair.axes[j]];
-            to[j] = b[pair.axes[j]];
-          }
+          const Configuration from = picked(certifies ? a : View(q), pair.axes);
+          const Configuration to = picked(b, pair.axes);
           bool free = true;
           if (certifies) {
             Certificate certificate{exact_tolerance_of(team)};
@@ -333,14 +233,13 @@ class ConflictSearch final : public Planner {
   void touch(std::size_t i, std::size_t k, std::set<std::size_t>& robots) {
     robots.insert({i, k});
     auto& touching = run_.conflicts[conflict_->record].touching;
-    const std::vector<std::size_t> pair = {members_[i].number, members_[k].number};
+    const std::vector<std::size_t> pair = numbers_of({i, k});
     if (std::find(touching.begin(), touching.end(), pair) == touching.end()) touching.push_back(pair);
   }
   /// Records what became of the conflict so far.
   void note_conflict(TeamConflict::Resolved resolved) {
     TeamConflict& record = run_.conflicts[conflict_->record];
-    record.robots.clear();
-    for (const std::size_t i : conflict_->robots) record.robots.push_back(members_[i].number);
+    record.robots = numbers_of(conflict_->robots);
     record.from = window_.from;
     record.to = window_.to;
     record.resolved = resolved;
@@ -403,12 +302,8 @@ class ConflictSearch final : public Planner {
     if (rest.empty()) return std::nullopt;
     std::vector<std::size_t> axes = axes_of(members_, rest);
     Configurations path(axes.size());
-    Configuration q(axes.size());
     const Configurations& all = window_.path;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      for (std::size_t j = 0; j < axes.size(); ++j) q[j] = all[i][axes[j]];
-      path.push(q);
-    }
+    for (std::size_t i = 0; i < all.size(); ++i) path.push(picked(all[i], axes));
     return RobotsPath(context_.instance.space, std::move(axes), std::move(path));
   }
 
@@ -432,15 +327,18 @@ class ConflictSearch final : public Planner {
       rest = others();
     }
     // A search of the window is a search of the team from its first configuration to its last one.
-    auto part = whole_->project(team);
+    std::vector<std::size_t> all(team.space.dimension());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    space_ = std::make_shared<TeamSpace>(team, std::vector<RobotsPath>(), all, "team");
+    auto part = space_->project(team);
     part->start.assign(window_.path.front().begin(), window_.path.front().end());
     part->goals.assign(1, Configuration(window_.path.back().begin(), window_.path.back().end()));
     effort_ = static_cast<double>(division_.effort) * std::min(1.0, 0.1 * std::pow(2.0, conflict_->growths));
     if (conflict_->together) {
       std::vector<RobotsPath> along;
       if (rest) along.push_back(*rest);
-      const auto space = std::make_shared<TeamSpace>(*part, along, axes_of(members_, conflict_->robots), "window");
-      begin_search(space->project(*part), space, conflict_->robots);
+      space_ = std::make_shared<TeamSpace>(*part, along, axes_of(members_, conflict_->robots), "window");
+      begin_search(space_->project(*part), space_, conflict_->robots);
       return;
     }
     TeamDivision division;
@@ -450,7 +348,7 @@ class ConflictSearch final : public Planner {
     division.tries = 2 * static_cast<std::int64_t>(conflict_->robots.size());
     division.effort = static_cast<std::int64_t>(std::ceil(effort_));
     if (rest) division.given = std::make_shared<const RobotsPath>(*rest);
-    begin_search(std::move(part), whole_, conflict_->robots);
+    begin_search(std::move(part), space_, conflict_->robots);
     current_->divide(std::move(division), guide_);
   }
 
@@ -469,8 +367,7 @@ class ConflictSearch final : public Planner {
       for (std::size_t k = i + 1; k < members_.size(); ++k) {
         if (before.contains(i) || before.contains(k)) continue;
         const Pair& pair = pair_of(i, k);
-        Configuration of_pair;
-        for (const std::size_t axis : pair.axes) of_pair.push_back(q[axis]);
+        const Configuration of_pair = picked(q, pair.axes);
         ++context_.instance.checks.validity;
         ++context_.instance.checks.alone;
         if (!pair.instance->validity->state(of_pair)) {
@@ -507,35 +404,7 @@ class ConflictSearch final : public Planner {
     note_times();
   }
 
-  std::optional<Status> prune() {
-    constexpr std::uint64_t piece = 256;
-    const std::uint64_t before = context_.instance.checks.validity;
-    while (!pruning_->done() && context_.instance.checks.validity < before + piece) pruning_->step();
-    if (!pruning_->done()) return std::nullopt;
-    found_ = pruning_->path();
-    pruning_.reset();
-    for (std::size_t i = 1; i < found_->size(); ++i) {
-      context_.search.parents.push_back(i == 1 ? 0 : static_cast<std::uint32_t>(context_.search.nodes.size() - 1));
-      context_.search.nodes.push(std::as_const(*found_)[i]);
-    }
-    return Status::solved;
-  }
-
-  Run& run_;
-  Level& level_;
-  PlannerSpec planner_;
-  const GuideSpec* guide_;
-  TeamDivision division_;
-  std::vector<TeamMember> members_;
-  std::vector<std::shared_ptr<TeamSpace>> spaces_;  ///< of each robot alone
-  std::shared_ptr<TeamSpace> whole_;                ///< of all robots
-  std::vector<std::unique_ptr<Level>> levels_;      ///< of all searches; their records are taken after the run
-  Level* current_ = nullptr;                        ///< the search that has not ended
-  std::shared_ptr<TeamSpace> space_;                ///< of the last search
-  std::map<std::size_t, std::size_t> searches_;     ///< so far, by their number
-  std::size_t windows_ = 0;                         ///< searches of windows so far
-  double effort_ = static_cast<double>(division_.effort);
-  bool certifies_ = false;  ///< the search certifies each of its motions: the one before found a path that touches
+  std::shared_ptr<TeamSpace> space_;  ///< of the last search
   std::vector<RobotsPath> alone_;     ///< of this try: the paths found for single robots
   Configurations path_;               ///< of the team; empty before all robots have one
   std::vector<double> times_;         ///< of its configurations, seconds
@@ -543,17 +412,12 @@ class ConflictSearch final : public Planner {
   std::optional<Conflict> conflict_;  ///< the one that is repaired
   Window window_;
   std::map<std::pair<std::size_t, std::size_t>, Pair> pairs_;
-  std::optional<PathPruning> pruning_;
-  std::int64_t tries_left_;
-  std::optional<Configurations> found_;
 };
 
 }  // namespace
 
-std::unique_ptr<Planner> make_conflict_search(Run& run, Level& level, const PlannerSpec& planner,
-                                              const GuideSpec* guide, const TeamDivision& division,
-                                              PlannerContext context) {
-  return std::make_unique<ConflictSearch>(run, level, planner, guide, division, std::move(context));
+std::unique_ptr<Planner> make_conflict_search(TeamSearchContext context) {
+  return std::make_unique<ConflictSearch>(std::move(context));
 }
 
 }  // namespace trellis

@@ -12,8 +12,6 @@
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
-#include <trellis/strategy/conflict_search.hpp>
-#include <trellis/strategy/driven_team_search.hpp>
 #include <trellis/strategy/split_search.hpp>
 #include <trellis/strategy/team_search.hpp>
 
@@ -138,14 +136,11 @@ std::unique_ptr<Planner> Level::make_planner() {
   PlannerContext context{*instance_,         *h,          Stream(run_.seed, record_.key, stream_), record_.search,
                          guidance_.guided(), run_.helpers};
   if (division_) {
-    const GuideSpec* guide = guide_spec_ ? &*guide_spec_ : nullptr;
-    if (instance_->motion_model) {
-      return make_driven_team_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
-    }
-    if (division_->how == Coordination::windows) {
-      return make_conflict_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
-    }
-    return make_team_search(run_, *this, planner_spec_, guide, *division_, std::move(context));
+    TeamSearchContext of{
+        run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, *division_, std::move(context)};
+    if (instance_->motion_model) return make_driven_team_search(std::move(of));
+    return division_->how == Coordination::windows ? make_conflict_search(std::move(of))
+                                                   : make_team_search(std::move(of));
   }
   if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(context));
   return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(context));

@@ -17,6 +17,7 @@
 #include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/planar/reduced_robot.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
+#include <trellis/scene/team_members.hpp>
 
 namespace trellis {
 
@@ -294,23 +295,9 @@ Robot Robot::arm(const Arm& arm) {
 
 Robot Robot::team(const std::vector<Robot>& robots) {
   std::vector<Member> members;
-  std::size_t axis = 0;
-  for (const Robot& robot : robots) {
-    const auto join = [&](const Robot& one) {
-      if (one.is_point()) {
-        throw Error(
-            fmt::format("robots: robot {} is a point, which nothing can touch; use a small disc", members.size() + 1));
-      }
-      members.push_back({std::make_shared<const Robot>(one), axis, 0, members.size() + 1});
-      axis += one.dimension();
-    };
-    if (robot.members().empty()) join(robot);
-    for (const Member& member : robot.members()) join(*member.robot);
-  }
-  if (members.size() < 2) throw Error("robots: a team has at least two robots");
-  if (members.size() > most_members) {
-    throw Error(fmt::format("robots: at most {} robots in a team, got {}", most_members, members.size()));
-  }
+  join_members(robots, "disc", [&](const Robot& one, std::size_t axis, std::size_t number) {
+    members.push_back({std::make_shared<const Robot>(one), axis, 0, number});
+  });
   return team_of(std::move(members));
 }
 

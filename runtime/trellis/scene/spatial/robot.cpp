@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/limits.hpp>
+#include <trellis/scene/team_members.hpp>
 
 namespace trellis {
 
@@ -56,27 +57,12 @@ Robot3::Robot3(std::string name, std::vector<Solid> solids, bool rotates)
 
 Robot3 Robot3::team(const std::vector<Robot3>& robots) {
   std::vector<Member> members;
-  std::size_t column = 0;
   // Robots of one shape share it: checkers prepare each pair of shapes once.
-  for (const Robot3& robot : robots) {
-    const auto join = [&](const Robot3& one) {
-      if (one.is_point()) {
-        throw Error(
-            fmt::format("robots: robot {} is a point, which nothing can touch; use a small ball", members.size() + 1));
-      }
-      const auto alike = std::find_if(members.begin(), members.end(),
-                                      [&](const Member& other) { return other.robot->same_shape(one); });
-      members.push_back(
-          {alike != members.end() ? alike->robot : std::make_shared<const Robot3>(one), column, members.size() + 1});
-      column += one.dimension();
-    };
-    if (robot.members().empty()) join(robot);
-    for (const Member& member : robot.members()) join(*member.robot);
-  }
-  if (members.size() < 2) throw Error("robots: a team has at least two robots");
-  if (members.size() > most_members) {
-    throw Error(fmt::format("robots: at most {} robots in a team, got {}", most_members, members.size()));
-  }
+  join_members(robots, "ball", [&](const Robot3& one, std::size_t column, std::size_t number) {
+    const auto alike =
+        std::find_if(members.begin(), members.end(), [&](const Member& other) { return other.robot->same_shape(one); });
+    members.push_back({alike != members.end() ? alike->robot : std::make_shared<const Robot3>(one), column, number});
+  });
   return team_of(std::move(members));
 }
 
