@@ -75,6 +75,14 @@ struct Decomposition {
   PositionProjection projection;
   /// Metric coordinates of S per square or cubic metre.
   double scale;
+  std::vector<double> volumes;  ///< for each cell, of the cells up to it, square or cubic metres
+
+  Decomposition(std::shared_ptr<const Cells> in, PositionProjection onto, double metric)
+      : cells(std::move(in)), projection(std::move(onto)), scale(metric) {
+    volumes.reserve(cells->size());
+    double sum = 0.0;
+    for (std::uint32_t t = 0; t < cells->size(); ++t) volumes.push_back(sum += cells->volume(t));
+  }
 
   [[nodiscard]] std::size_t dimension() const { return projection.space().dimension(); }
   [[nodiscard]] std::optional<std::uint32_t> find(View q) const {
@@ -472,13 +480,10 @@ class LeadHeuristic final : public Heuristic {
     return picked;
   }
   std::uint32_t pick_anywhere(Stream& stream) const {
-    const Cells& cells = *decomposition_->cells;
-    double u = stream.uniform() * cells.volume();
-    for (std::uint32_t t = 0; t + 1 < cells.size(); ++t) {
-      u -= cells.volume(t);
-      if (u < 0.0) return t;
-    }
-    return static_cast<std::uint32_t>(cells.size() - 1);
+    const auto& volumes = decomposition_->volumes;
+    const double u = stream.uniform() * decomposition_->cells->volume();
+    const auto cell = std::upper_bound(volumes.begin(), volumes.end() - 1, u);
+    return static_cast<std::uint32_t>(cell - volumes.begin());
   }
 
   std::shared_ptr<const Decomposition> decomposition_;
@@ -520,8 +525,7 @@ class DecompositionGuide final : public Guide, public Repairs {
     const double needed = projection.arm() ? 0.0 : parent.scene->inscribed_radius();
     auto cells = free_cells(*instance->scene, side, needed);
     if (cells->size() == 0) throw Error("decomposition: the world leaves no free space");
-    decomposition_ =
-        std::make_shared<const Decomposition>(Decomposition{std::move(cells), std::move(projection), scale});
+    decomposition_ = std::make_shared<const Decomposition>(std::move(cells), std::move(projection), scale);
     constexpr double along = 4.0;  // cells of the coverage grid along a cell's side
     exploration_ = std::make_shared<Exploration>(decomposition_, side / along);
     exploration_->plant(parent.start);

@@ -21,12 +21,14 @@ bool EvaluatedGraph::begin() {
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
     const auto& edge = graph_->edges[e];
-    incident_[next[edge.from]++] = {e, edge.to};
-    incident_[next[edge.to]++] = {e, edge.from};
+    incident_[next[edge.from]++] = {e, edge.to, 0.0};
+    incident_[next[edge.to]++] = {e, edge.from, 0.0};
   }
   lengths_.clear();
   index_.reset();
   weights_ = Weights::none;
+  costs_.assign(graph_->edges.size(), 0.0);
+  expanded_.assign(graph_->vertices.size(), 0);
   seen_.assign(graph_->edges.size(), 0);
   blocked_.clear();
   rows_.assign(graph_->vertices.size(), no_node);
@@ -84,6 +86,19 @@ void EvaluatedGraph::record(std::uint32_t e) {
     const std::uint32_t row = search.nodes.push(graph_->edges[e].points[i]);
     search.parents.push_back(no_node);
     if (i > 0) search.edges.push_back({row - 1, row});
+  }
+}
+
+void EvaluatedGraph::read_costs() {
+  for (std::uint32_t e = 0; e < costs_.size(); ++e) {
+    const Graph::Edge& edge = graph_->edges[e];
+    if (edge.cost == costs_[e]) continue;
+    costs_[e] = edge.cost;
+    for (const std::uint32_t end : {edge.from, edge.to}) {
+      for (std::uint32_t i = first_[end]; i < first_[end + 1]; ++i) {
+        if (incident_[i].edge == e) incident_[i].cost = edge.cost;
+      }
+    }
   }
 }
 
@@ -345,10 +360,10 @@ std::vector<char> EvaluatedGraph::reachable() const {
   while (!open.empty()) {
     const std::uint32_t at = open.back();
     open.pop_back();
-    for (const auto& [edge, next] : incident(at)) {
-      if (reached[next] != 0 || (!graph.verified && seen_[edge] == found_invalid)) continue;
-      reached[next] = 1;
-      open.push_back(next);
+    for (const Incident& next : incident(at)) {
+      if (reached[next.to] != 0 || (!graph.verified && seen_[next.edge] == found_invalid)) continue;
+      reached[next.to] = 1;
+      open.push_back(next.to);
     }
   }
   return reached;

@@ -45,6 +45,7 @@ class EvaluatedGraph {
   struct Incident {
     std::uint32_t edge = 0;
     std::uint32_t to = 0;  ///< its other end
+    double cost = 0.0;     ///< of a verified graph, as `read_costs` read it
   };
   /// The edges of a vertex, in their order.
   [[nodiscard]] std::span<const Incident> incident(std::uint32_t vertex) const {
@@ -64,6 +65,14 @@ class EvaluatedGraph {
   /// For a verified graph: adds the points of an edge to the level's nodes, connected in a chain, when the search first
   /// uses the edge.
   void record(std::uint32_t edge);
+  /// For a verified graph: the same for all edges of a vertex, in their order, when a search first expands the vertex.
+  void record_edges(std::uint32_t vertex, std::span<const Incident> edges) {
+    if (std::exchange(expanded_[vertex], char{1}) != 0) return;
+    for (const Incident& next : edges) record(next.edge);
+  }
+  /// Copies the costs that changed to the edges of the vertices, where a search reads them in order: it would read each
+  /// from memory where the graph has it.
+  void read_costs();
 
   /// Counts the work of the beginning of a search: labels of all edges and vertices; in the plane, where graphs are
   /// small, with their costs.
@@ -92,6 +101,8 @@ class EvaluatedGraph {
   /// r), where r is the number of proposals that are nearest to the edge by the number expected of its length, each
   /// plus 1.
   [[nodiscard]] double edge_factor(std::uint32_t edge);
+  /// Whether there are other factors than 1.
+  [[nodiscard]] bool weighs() const { return weights_ != Weights::none; }
   /// A lower bound of `edge_factor` over all edges.
   [[nodiscard]] double least_edge_factor();
   /// The same at a vertex; by proposals, the mean over its edges.
@@ -153,7 +164,9 @@ class EvaluatedGraph {
   std::shared_ptr<Graph> graph_;        ///< the graph that the other members refer to
   std::vector<std::uint32_t> first_;    ///< per vertex: its first edge in `incident_`; then the size of that
   std::vector<Incident> incident_;
-  std::vector<char> seen_;  ///< per edge: whether it was recorded, or the result of its evaluation
+  std::vector<double> costs_;   ///< per edge: as last read
+  std::vector<char> expanded_;  ///< per vertex of a verified graph: whether its edges were recorded
+  std::vector<char> seen_;      ///< per edge: whether it was recorded, or the result of its evaluation
   std::map<std::uint32_t, Configuration> blocked_;  ///< first invalid configuration of each invalid edge
   std::vector<std::uint32_t> rows_;                 ///< per vertex of an unverified graph: its node
   std::uint64_t epoch_ = 0;                         ///< epoch of the validity that `seen_` refers to

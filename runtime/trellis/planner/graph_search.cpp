@@ -11,6 +11,7 @@
 #include <trellis/planner/evaluated_graph.hpp>
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/loop.hpp>
+#include <trellis/planner/vertex_queue.hpp>
 
 namespace trellis {
 
@@ -61,29 +62,27 @@ class GraphSearch final : public GraphPlanner {
 
   void dijkstra(const Graph& graph, Tree& tree) {
     auto& [parent, done] = tree;
-    std::vector<double> distance(graph.vertices.size(), std::numeric_limits<double>::infinity());
-    // Beside each other they are in the caches: the search would read one from memory for each edge.
-    costs_.clear();
-    costs_.reserve(graph.edges.size());
-    for (const Graph::Edge& edge : graph.edges) costs_.push_back(edge.cost);
-    using Entry = std::pair<double, std::uint32_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    evaluated_.read_costs();
+    const bool weighs = evaluated_.weighs();
+    std::vector<double>& distance = distances_;
+    distance.assign(graph.vertices.size(), std::numeric_limits<double>::infinity());
+    queue_.clear();
     distance[graph.start] = 0.0;
-    queue.emplace(0.0, graph.start);
-    while (!queue.empty()) {
-      const auto [d, v] = queue.top();
-      queue.pop();
+    queue_.push(0.0, graph.start);
+    while (!queue_.empty()) {
+      const auto [d, v] = queue_.pop();
       if (done[v] != 0) continue;
       done[v] = 1;
-      for (const auto& [e, next] : evaluated_.incident(v)) {
-        evaluated_.record(e);
-        // No cost is negative.
-        if (done[next] != 0) continue;
-        const double to = d + costs_[e] * evaluated_.edge_factor(e);
+      const auto edges = evaluated_.incident(v);
+      evaluated_.record_edges(v, edges);
+      for (const auto& [e, next, cost] : edges) {
+        // No cost is negative, so an expanded vertex keeps its distance. A factor takes longer than this condition.
+        if (weighs && done[next] != 0) continue;
+        const double to = d + (weighs ? cost * evaluated_.edge_factor(e) : cost);
         if (to < distance[next]) {
           distance[next] = to;
           parent[next] = e;
-          queue.emplace(distance[next], next);
+          queue_.push(to, next);
         }
       }
       if (graph.is_goal(v)) break;
@@ -171,10 +170,10 @@ class GraphSearch final : public GraphPlanner {
       parent[v] = entry.edge;
       evaluated_.add_node(v, entry.edge);
       if (graph.is_goal(v)) return end_search();
-      for (const auto& [e, next] : evaluated_.incident(v)) {
-        if (done[next] != 0) continue;
-        const double to = entry.cost + cost(e);
-        queue.push({to + paused_->ahead(context_.instance, next), to, next, e});
+      for (const EvaluatedGraph::Incident& next : evaluated_.incident(v)) {
+        if (done[next.to] != 0) continue;
+        const double to = entry.cost + cost(next.edge);
+        queue.push({to + paused_->ahead(context_.instance, next.to), to, next.to, next.edge});
       }
     }
     while (!queue.empty() && done[queue.top().vertex] != 0) queue.pop();
@@ -194,7 +193,8 @@ class GraphSearch final : public GraphPlanner {
 
   std::optional<Verifying> paused_;  ///< the search of an unverified graph until it ends
   Tree ended_;                       ///< of the search that has ended
-  std::vector<double> costs_;        ///< of the edges of a verified graph
+  std::vector<double> distances_;    ///< of the vertices of a verified graph from the start
+  VertexQueue queue_;                ///< of its search
 };
 
 }  // namespace
