@@ -251,6 +251,29 @@ TEST_CASE("guides are set up only when the planner alone has done as much work",
   CHECK(execute(skeleton >> PlannerSpec::make("rrt", {}), passage, 1).levels.size() == 2);
 }
 
+TEST_CASE("a guide that is set up again in a changed world counts with all of that world", "[strategy][bound]") {
+  const GuideSpec skeleton = GuideSpec::make("skeleton", {});
+  const StrategySpec strategy =
+      skeleton >> GuideSpec::make("drop", {}) >> PlannerSpec::make("rrt", {{"step", 0.2}, {"proposals", 20000.0}});
+  const Problem trap = test::trap_problem();
+  // Of a world with one obstacle at least.
+  const double least = set_up_of("skeleton", skeleton.options(), *trap.scene->with_obstacles({0})).world;
+  REQUIRE(least > companion_constant.work);
+  int changed = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    CAPTURE(seed);
+    test::check_law(strategy, trap, seed);
+    const RunRecord run = execute(strategy, trap, seed);
+    REQUIRE(run.levels.size() == 3);
+    if (run.levels.back().resolves.changed_world == 0) continue;
+    ++changed;
+    CHECK(run.bounded.guided.work >= least);
+    // The planner alone has done as much before.
+    CHECK(run.bounded.unguided.work >= least - companion_constant.work);
+  }
+  CHECK(changed > 0);
+}
+
 TEST_CASE("the work of setting up is known for every guide, and grows with the world", "[strategy][bound]") {
   const Problem passage = test::simple_passage_problem(), slot = test::slot_problem();
   for (const GuideKind& kind : test::guides_of_one_robot()) {

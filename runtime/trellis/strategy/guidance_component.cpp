@@ -122,7 +122,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
         again_ = known_.has_value();
       }
       if (!std::exchange(searched_, true)) again_ = known_ && known_->has_new();
-      if (again_ || parent_.instance().scene != projected_) project_again();
+      if ((again_ || parent_.instance().scene != projected_) && !project_again()) return Advance::unfinished;
       tell();
       const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
       const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
@@ -313,7 +313,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   /// Applies f to the current instance.
   std::unique_ptr<Instance> project() {
     projected_ = parent_.instance().scene;
-    run_.count_set_up(spec_, *projected_);
+    if (!level_) run_.count_set_up(spec_, *projected_);
     again_ = false;
     if (!known_) return located([&] { return guide_->project(parent_.instance()); });
     known_->paths.clear();
@@ -327,7 +327,10 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     known_->new_from = known_->samples.size();
     return sub;
   }
-  void project_again() {
+  /// Returns false, without applying f, where the run ends first: what it costs is counted before.
+  bool project_again() {
+    const bool costly = run_.count_changed_world(spec_, *parent_.instance().scene);
+    if (costly && run_.before_step && run_.before_step()) return false;
     auto sub = project();
     if (known_ && sub->space != level_->instance().space) {
       located([&] {
@@ -337,6 +340,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     }
     level_->replace_instance(std::move(sub));
     attach();
+    return true;
   }
 
   /// Stores the result of a proposal. Motions that the planner tries without one are no samples.

@@ -75,10 +75,16 @@ struct Run {
   /// Counts the set-up of a guide's space. What depends on the world alone counts once in a run, with one part in
   /// `queries`.
   void count_set_up(const GuideSpec& guide, const Scene& scene);
+  /// The same where f is applied again. What depends on a world that changed during this run counts with all of it: no
+  /// other run asks it. Returns whether there is such work.
+  bool count_changed_world(const GuideSpec& guide, const Scene& scene);
   /// Of all levels.
   [[nodiscard]] RunCost cost() const;
 
  private:
+  /// Whether the guide has no set-up in this world yet; from then on it has.
+  bool is_new(const GuideSpec& guide, const Scene& scene);
+
   std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
 };
 
