@@ -28,8 +28,9 @@ class Folder {
   }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-  /// Writes a file; returns its path.
-  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
+  /// Writes a file, in a folder that it makes; returns its path.
+  std::string write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << text;
     return file(name);
   }

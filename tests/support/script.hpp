@@ -6,7 +6,8 @@
 #include <vector>
 
 #include <dsl/language/tools/session.hpp>
-#include <trellis/base/error.hpp>
+
+#include "support/fault.hpp"
 
 namespace trellis::test {
 
@@ -23,12 +24,7 @@ inline std::string value(const std::string& expression, const dsl::SessionOption
 
 /// Returns the message of a script that fails, "" if it succeeds.
 inline std::string failure(const std::string& text, const dsl::SessionOptions& options = {}) {
-  try {
-    values(text, options);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return fault_of([&] { values(text, options); });
 }
 
 }  // namespace trellis::test

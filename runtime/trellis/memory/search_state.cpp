@@ -113,8 +113,7 @@ SearchState::SearchState(const Graph& graph) : graph_(graph), vertices_(graph.ve
   box_ = {position(graph.vertices[0]), position(graph.vertices[0])};
   for (std::size_t v = 1; v < graph.vertices.size(); ++v) {
     const Vec2 p = position(graph.vertices[v]);
-    box_.lo = {std::min(box_.lo.x, p.x), std::min(box_.lo.y, p.y)};
-    box_.hi = {std::max(box_.hi.x, p.x), std::max(box_.hi.y, p.y)};
+    box_ = united(box_, {p, p});
   }
   if (norm(box_.hi - box_.lo) > 0.0) scale_ = norm(box_.hi - box_.lo);
   double length = 0.0;

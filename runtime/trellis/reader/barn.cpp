@@ -94,10 +94,7 @@ void read_references(const std::filesystem::path& folder, std::map<std::size_t, 
 /// The box of the cylinders and, with room around them, of the ends.
 Box2 bounds_of(const Field& field) {
   Box2 bounds = bounding_box(std::get<Disc>(field.obstacles.front().shape));
-  const auto add = [&](const Box2& box) {
-    bounds.lo = {std::min(bounds.lo.x, box.lo.x), std::min(bounds.lo.y, box.lo.y)};
-    bounds.hi = {std::max(bounds.hi.x, box.hi.x), std::max(bounds.hi.y, box.hi.y)};
-  };
+  const auto add = [&](const Box2& box) { bounds = united(bounds, box); };
   for (const Obstacle& obstacle : field.obstacles) add(bounding_box(std::get<Disc>(obstacle.shape)));
   if (!field.ends) return bounds;
   for (const Vec2 end : {field.ends->first, field.ends->second}) {

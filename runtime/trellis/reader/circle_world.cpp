@@ -40,9 +40,7 @@ World world_of(const SourceText& text) {
     errors.attempt([&] {
       obstacles.push_back(circle_of(text, i + 1, words));
       const Box2 box = bounding_box(std::get<Disc>(obstacles.back().shape));
-      if (obstacles.size() == 1) bounds = box;
-      bounds.lo = {std::min(bounds.lo.x, box.lo.x), std::min(bounds.lo.y, box.lo.y)};
-      bounds.hi = {std::max(bounds.hi.x, box.hi.x), std::max(bounds.hi.y, box.hi.y)};
+      bounds = obstacles.size() == 1 ? box : united(bounds, box);
     });
   }
   errors.raise();

@@ -128,9 +128,7 @@ SceneFile read_fibration_trees(const SourceText& text, const ReadOptions& option
   std::vector<Robot> robots;
   for (const LimitedDisc& disc : discs) {
     const Vec2 margin{disc.radius, disc.radius};
-    const Box2 own{disc.limits.lo - margin, disc.limits.hi + margin};
-    bounds = {{std::min(bounds.lo.x, own.lo.x), std::min(bounds.lo.y, own.lo.y)},
-              {std::max(bounds.hi.x, own.hi.x), std::max(bounds.hi.y, own.hi.y)}};
+    bounds = united(bounds, {disc.limits.lo - margin, disc.limits.hi + margin});
     robots.push_back(Robot::disc(disc.radius));
   }
   const auto wider = [&](const LimitedDisc& disc) {

@@ -173,15 +173,6 @@ Pose2 pose_of(const MapFile& map) {
   return pose;
 }
 
-Box2 bounds_of(const std::vector<Vec2>& points) {
-  Box2 box{points.front(), points.front()};
-  for (const Vec2 p : points) {
-    box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
-    box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
-  }
-  return box;
-}
-
 std::vector<Vec2> moved(const Pose2& pose, const Box2& box) {
   std::vector<Vec2> corners = rectangle_vertices(box);
   for (Vec2& corner : corners) corner = pose(corner);
@@ -193,14 +184,14 @@ std::vector<Vec2> moved(const Pose2& pose, const Box2& box) {
 /// image does not cover.
 World placed(const Pose2& pose, Vec2 size, std::vector<Obstacle> obstacles) {
   const std::vector<Vec2> corners = moved(pose, {{0.0, 0.0}, size});
-  const Box2 bounds = bounds_of(corners);
+  const Box2 bounds = bounding_box(corners);
   const bool quarter = pose.c == 0.0 || pose.s == 0.0;
   const double rounding =
       4.0 * std::numeric_limits<double>::epsilon() * (std::abs(pose.x) + std::abs(pose.y) + size.x + size.y);
   for (Obstacle& obstacle : obstacles) {
     auto box = std::get<Box2>(obstacle.shape);
     if (quarter) {
-      obstacle.shape = bounds_of(moved(pose, box));
+      obstacle.shape = bounding_box(moved(pose, box));
       continue;
     }
     const Vec2 more{rounding, rounding};

@@ -70,9 +70,7 @@ class Drawing {
     for (const Obstacle& shape : shapes_) {
       const auto* disc = std::get_if<Disc>(&shape.shape);
       const Box2 box = disc != nullptr ? bounding_box(*disc) : bounding_box(std::get<Polygon>(shape.shape));
-      if (!all) all = box;
-      all->lo = {std::min(all->lo.x, box.lo.x), std::min(all->lo.y, box.lo.y)};
-      all->hi = {std::max(all->hi.x, box.hi.x), std::max(all->hi.y, box.hi.y)};
+      all = all ? united(*all, box) : box;
     }
     return *all;
   }

@@ -138,15 +138,10 @@ Recentred<Robot> recentred(const Robot& robot) {
   }
   Body body = robot.bodies().front();
   if (robot.is_point()) return {robot, {}};
-  Vec2 lo = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  Vec2 hi = -1.0 * lo;
-  for (const ConvexShape& part : body.parts) {
-    const Box2 box = bounding_box(part);
-    lo = {std::min(lo.x, box.lo.x), std::min(lo.y, box.lo.y)};
-    hi = {std::max(hi.x, box.hi.x), std::max(hi.y, box.hi.y)};
-  }
+  Box2 box = bounding_box(body.parts.front());
+  for (const ConvexShape& part : body.parts) box = united(box, bounding_box(part));
   const BodyInside inside(body);
-  const Vec3 found = farthest_inside({lo.x, lo.y, 0.0}, {hi.x, hi.y, 0.0}, 2, [&](const Vec3& p) {
+  const Vec3 found = farthest_inside({box.lo.x, box.lo.y, 0.0}, {box.hi.x, box.hi.y, 0.0}, 2, [&](const Vec3& p) {
     return inside({p.x, p.y});
   });
   const Vec2 centre = {found.x, found.y};

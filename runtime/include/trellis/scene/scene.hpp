@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -111,6 +112,24 @@ class Scene {
   Scene(Scene&&) = default;
   Scene& operator=(const Scene&) = default;
   Scene& operator=(Scene&&) = default;
+};
+
+/// A world and a robot of one kind.
+template <class W, class R>
+class SceneOf : public Scene {
+ public:
+  SceneOf(W w, R r) : world(std::move(w)), robot(std::move(r)) {}
+
+  W world;
+  R robot;
+
+  [[nodiscard]] double diagonal() const final { return norm(world.bounds().hi - world.bounds().lo); }
+  [[nodiscard]] std::size_t obstacle_count() const final { return world.obstacles().size(); }
+  [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const final {
+    return world.obstacles().at(obstacle).name;
+  }
+  [[nodiscard]] std::shared_ptr<const void> world_identity() const final { return world.identity(); }
+  [[nodiscard]] double bounding_radius() const final { return robot.bounding_radius(); }
 };
 
 /// A goal region: all configurations that place a point of the robot in a box of the workspace.

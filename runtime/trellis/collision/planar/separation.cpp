@@ -114,10 +114,7 @@ Box2 MovingConvex::box() const {
 }
 
 Box2 MovingConvex::middle_box() const {
-  Box2 box{arms_.front(), arms_.front()};
-  for (const Vec2 p : arms_) {
-    box = {{std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)}, {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)}};
-  }
+  const Box2 box = bounding_box(arms_);
   const Vec2 outwards{radius_, radius_};
   return {origin_ + box.lo - outwards, origin_ + box.hi + outwards};
 }

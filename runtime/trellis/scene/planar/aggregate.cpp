@@ -81,15 +81,6 @@ Polygon about(const Disc& disc) {
   return polygon;
 }
 
-Box2 box_of(const std::vector<Vec2>& points) {
-  Box2 box{points.front(), points.front()};
-  for (const Vec2 p : points) {
-    box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
-    box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
-  }
-  return box;
-}
-
 std::vector<Cluster> singles(const World& world) {
   std::vector<Cluster> clusters(world.obstacles().size());
   for (const auto& part : world.parts()) {
@@ -102,7 +93,7 @@ std::vector<Cluster> singles(const World& world) {
     for (const auto& part : clusters[i].parts) {
       clusters[i].points.insert(clusters[i].points.end(), part.vertices.begin(), part.vertices.end());
     }
-    clusters[i].box = box_of(clusters[i].points);
+    clusters[i].box = bounding_box(clusters[i].points);
   }
   return clusters;
 }
@@ -114,7 +105,7 @@ Cluster merged(const Cluster& a, const Cluster& b) {
   both.parts.insert(both.parts.end(), b.parts.begin(), b.parts.end());
   both.points.insert(both.points.end(), b.points.begin(), b.points.end());
   both.points = convex_hull(std::move(both.points)).vertices;
-  both.box = box_of(both.points);
+  both.box = bounding_box(both.points);
   return both;
 }
 

@@ -39,11 +39,7 @@ class Grid {
  public:
   /// \param x_axis  its direction, a unit vector
   Grid(const std::vector<Vec2>& points, Vec2 x_axis) : x_axis_(x_axis) {
-    Box2 extent{points.front(), points.front()};
-    for (const Vec2 p : points) {
-      extent.lo = {std::min(extent.lo.x, p.x), std::min(extent.lo.y, p.y)};
-      extent.hi = {std::max(extent.hi.x, p.x), std::max(extent.hi.y, p.y)};
-    }
+    const Box2 extent = bounding_box(points);
     const Vec2 size = extent.hi - extent.lo;
     const double longest = std::max({size.x, size.y, std::numeric_limits<double>::min()});
     // 2^30 for half the length, and room for moving the centre and for turning.

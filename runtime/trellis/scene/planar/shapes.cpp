@@ -10,12 +10,12 @@ Box2 bounding_box(const ConvexShape& shape) {
     const Vec2 r{disc->radius, disc->radius};
     return {disc->centre - r, disc->centre + r};
   }
-  const auto& vertices = std::get<Polygon>(shape).vertices;
-  Box2 box{vertices.front(), vertices.front()};
-  for (const Vec2 v : vertices) {
-    box.lo = {std::min(box.lo.x, v.x), std::min(box.lo.y, v.y)};
-    box.hi = {std::max(box.hi.x, v.x), std::max(box.hi.y, v.y)};
-  }
+  return bounding_box(std::get<Polygon>(shape).vertices);
+}
+
+Box2 bounding_box(const std::vector<Vec2>& points) {
+  Box2 box{points.front(), points.front()};
+  for (const Vec2 p : points) box = united(box, {p, p});
   return box;
 }
 

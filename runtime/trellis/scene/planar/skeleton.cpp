@@ -151,12 +151,7 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
   solid.insert(solid.end(), disc_polygons.begin(), disc_polygons.end());
 
   Box2 extent = world.bounds();
-  for (const Polygon& polygon : solid) {
-    for (const Vec2 v : polygon.vertices) {
-      extent.lo = {std::min(extent.lo.x, v.x), std::min(extent.lo.y, v.y)};
-      extent.hi = {std::max(extent.hi.x, v.x), std::max(extent.hi.y, v.y)};
-    }
-  }
+  for (const Polygon& polygon : solid) extent = united(extent, bounding_box(polygon.vertices));
   // Walls around the boundary that are thick enough to contain all obstacles' parts beyond it: the free space is then
   // the region inside the union's outermost loop.
   const auto& [lo, hi] = world.bounds();

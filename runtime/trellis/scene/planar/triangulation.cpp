@@ -70,11 +70,7 @@ class Outlines {
 
  private:
   void enter(std::uint32_t k, double margin) {
-    Box2 box{all[k].front(), all[k].front()};
-    for (const Vec2 v : all[k]) {
-      box.lo = {std::min(box.lo.x, v.x), std::min(box.lo.y, v.y)};
-      box.hi = {std::max(box.hi.x, v.x), std::max(box.hi.y, v.y)};
-    }
+    const Box2 box = bounding_box(all[k]);
     // `within` moves each side outwards, so that a pointed corner reaches farther than the margin.
     const double reach = pointed(all[k]) ? norm(bounds_.hi - bounds_.lo) : 2.0 * margin;
     for (std::size_t j = row(box.lo.y - reach); j <= row(box.hi.y + reach); ++j) {

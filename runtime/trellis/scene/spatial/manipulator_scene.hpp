@@ -126,28 +126,18 @@ SphereModel::Pairs likely_contacts(const Manipulator& robot, const SphereModel::
 SphereModel::Pairs links_of(const Manipulator& robot, const SphereModel::Pairs& bodies);
 
 /// A world of space and a manipulator in it.
-class ManipulatorScene final : public Scene {
+class ManipulatorScene final : public SceneOf<World3, SphereModel> {
  public:
-  ManipulatorScene(World3 w, SphereModel r) : world(std::move(w)), robot(std::move(r)) {}
-
-  World3 world;
-  SphereModel robot;
+  using SceneOf::SceneOf;
 
   [[nodiscard]] const ManipulatorScene* manipulator() const override { return this; }
   [[nodiscard]] std::size_t world_dimension() const override { return 3; }
-  [[nodiscard]] double diagonal() const override { return norm(world.bounds().hi - world.bounds().lo); }
   [[nodiscard]] double magnitude() const override;
-  [[nodiscard]] std::size_t obstacle_count() const override { return world.obstacles().size(); }
-  [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const override {
-    return world.obstacles().at(obstacle).name;
-  }
   [[nodiscard]] std::optional<ThinnestObstacle> thinnest_obstacle() const override;
-  [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
   [[nodiscard]] const std::string& robot_name() const override { return robot.robot().tree().name(); }
   [[nodiscard]] std::size_t robot_dimension() const override { return robot.robot().dimension(); }
   [[nodiscard]] bool translates() const override { return false; }
   [[nodiscard]] bool is_point() const override { return false; }
-  [[nodiscard]] double bounding_radius() const override { return robot.bounding_radius(); }
   [[nodiscard]] double inscribed_radius() const override { return 0.0; }
   [[nodiscard]] std::size_t body_count() const override { return robot.bodies().size(); }
   [[nodiscard]] std::string body_name(std::size_t body) const override;

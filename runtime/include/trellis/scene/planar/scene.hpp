@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <trellis/scene/planar/robot.hpp>
@@ -15,28 +14,18 @@
 namespace trellis {
 
 /// A planar world and a planar robot.
-class PlanarScene final : public Scene {
+class PlanarScene final : public SceneOf<World, Robot> {
  public:
-  PlanarScene(World w, Robot r) : world(std::move(w)), robot(std::move(r)) {}
-
-  World world;
-  Robot robot;
+  using SceneOf::SceneOf;
 
   [[nodiscard]] const PlanarScene* planar() const override { return this; }
   [[nodiscard]] std::size_t world_dimension() const override { return 2; }
-  [[nodiscard]] double diagonal() const override { return norm(world.bounds().hi - world.bounds().lo); }
   [[nodiscard]] double magnitude() const override;
-  [[nodiscard]] std::size_t obstacle_count() const override { return world.obstacles().size(); }
-  [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const override {
-    return world.obstacles().at(obstacle).name;
-  }
   [[nodiscard]] std::optional<ThinnestObstacle> thinnest_obstacle() const override;
-  [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
   [[nodiscard]] const std::string& robot_name() const override { return robot.name(); }
   [[nodiscard]] std::size_t robot_dimension() const override { return robot.dimension(); }
   [[nodiscard]] bool translates() const override { return robot.translates(); }
   [[nodiscard]] bool is_point() const override { return robot.is_point(); }
-  [[nodiscard]] double bounding_radius() const override { return robot.bounding_radius(); }
   [[nodiscard]] double inscribed_radius() const override { return robot.inscribed_radius(); }
   [[nodiscard]] std::size_t body_count() const override { return robot.bodies().size(); }
   [[nodiscard]] std::string body_name(std::size_t body) const override { return robot.body_name(body); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 #include <vector>
@@ -36,6 +37,11 @@ struct Box2 {
   friend bool operator==(const Box2&, const Box2&) = default;
 };
 
+/// Returns the smallest box that contains both.
+inline Box2 united(const Box2& a, const Box2& b) {
+  return {{std::min(a.lo.x, b.lo.x), std::min(a.lo.y, b.lo.y)}, {std::max(a.hi.x, b.hi.x), std::max(a.hi.y, b.hi.y)}};
+}
+
 /// A closed disc; radius 0 is a point (allowed for robots only).
 struct Disc {
   Vec2 centre;
@@ -66,6 +72,8 @@ struct Pose2 {
 
 /// Returns the smallest rectangle along the axes that contains the shape.
 Box2 bounding_box(const ConvexShape& shape);
+/// \param points  at least one
+Box2 bounding_box(const std::vector<Vec2>& points);
 /// Returns the four corners, counter-clockwise.
 std::vector<Vec2> rectangle_vertices(const Box2& box);
 

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <trellis/scene/scene.hpp>
@@ -16,28 +15,18 @@
 namespace trellis {
 
 /// A world of space and a rigid body, or a team of them, that moves freely in it.
-class SpatialScene final : public Scene {
+class SpatialScene final : public SceneOf<World3, Robot3> {
  public:
-  SpatialScene(World3 w, Robot3 r) : world(std::move(w)), robot(std::move(r)) {}
-
-  World3 world;
-  Robot3 robot;
+  using SceneOf::SceneOf;
 
   [[nodiscard]] const SpatialScene* spatial() const override { return this; }
   [[nodiscard]] std::size_t world_dimension() const override { return 3; }
-  [[nodiscard]] double diagonal() const override { return norm(world.bounds().hi - world.bounds().lo); }
   [[nodiscard]] double magnitude() const override;
-  [[nodiscard]] std::size_t obstacle_count() const override { return world.obstacles().size(); }
-  [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const override {
-    return world.obstacles().at(obstacle).name;
-  }
   [[nodiscard]] std::optional<ThinnestObstacle> thinnest_obstacle() const override;
-  [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
   [[nodiscard]] const std::string& robot_name() const override { return robot.name(); }
   [[nodiscard]] std::size_t robot_dimension() const override { return robot.dimension(); }
   [[nodiscard]] bool translates() const override { return robot.members().empty(); }
   [[nodiscard]] bool is_point() const override { return robot.is_point(); }
-  [[nodiscard]] double bounding_radius() const override { return robot.bounding_radius(); }
   [[nodiscard]] double inscribed_radius() const override { return robot.inscribed_radius(); }
   [[nodiscard]] std::size_t body_count() const override { return std::max<std::size_t>(robot.members().size(), 1); }
   [[nodiscard]] std::string body_name(std::size_t body) const override;
