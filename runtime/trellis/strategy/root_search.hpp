@@ -93,9 +93,9 @@ class RootSearch {
       : run_(run),
         problem_(problem),
         root_(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr),
-        check_path_(problem, root_.instance()),
-        validity_(std::make_shared<RevisableValidity>(root_.instance().validity)) {
-    root_.instance().validity = validity_;
+        check_path_(problem, root_.instance()) {
+    // Other spaces may hold the root's validity.
+    if (strategy.guide() != nullptr || strategy.planner().dividing() != nullptr) make_revisable();
   }
 
   void step() {
@@ -132,11 +132,16 @@ class RootSearch {
   [[nodiscard]] PathCheck& check_path() { return check_path_; }
 
  private:
+  void make_revisable() {
+    validity_ = std::make_shared<RevisableValidity>(root_.instance().validity);
+    root_.instance().validity = validity_;
+  }
   /// Excludes a small ball about a configuration at which a path was refuted; or has the root certify its motions,
   /// those of the present search included.
   void revise(View invalid) {
     // As many paths are refuted before the resolution counts as too coarse for the world.
     constexpr std::uint64_t at_most = 4;
+    if (!validity_) make_revisable();
     Instance& instance = root_.instance();
     // Earlier epochs are those of another validity.
     instance.revision = instance.epoch() + 1;
@@ -162,7 +167,7 @@ class RootSearch {
   const Problem& problem_;
   Level root_;
   PathCheck check_path_;
-  std::shared_ptr<RevisableValidity> validity_;  ///< of the root; check_path_ has the first one
+  std::shared_ptr<RevisableValidity> validity_;  ///< of the root, once it may be revised; check_path_ has the first one
   Status status_ = Status::interrupted;
   Configurations path_;
   std::uint64_t refuted_paths_ = 0;
