@@ -79,7 +79,9 @@ Outcomes search(const std::string& name, unsigned threads) {
   UniformGuidance guidance(instance->space);
   Outcomes out{Search(instance->space.dimension()), {}, 0};
   HelperThreads helpers(threads);
-  const Options options = Options::validate(*kind.component, {{"proposals", std::int64_t{4000}}});
+  // PRM* checks tens of motions for each proposal.
+  const std::int64_t proposals = name == "prm_star" ? 2500 : 4000;
+  const Options options = Options::validate(*kind.component, {{"proposals", proposals}});
   const auto made = kind.make(
       options, {*instance, guidance, Stream(1, "0", "proposals"), out.search, false, threads > 1 ? &helpers : nullptr});
   made->solve(kind.common(options).budget);
@@ -109,7 +111,7 @@ TEST_CASE("helpers do all tasks, each once") {
 }
 
 TEST_CASE("helpers check motions ahead, and the search is the same") {
-  const std::string name = GENERATE("rrt", "rrt_connect", "rrt_star");
+  const std::string name = GENERATE("rrt", "rrt_connect", "rrt_star", "prm", "prm_star");
   INFO(name);
   const Outcomes one = search(name, 1);
   Outcomes three = search(name, 3);
@@ -120,6 +122,7 @@ TEST_CASE("helpers check motions ahead, and the search is the same") {
   CHECK(std::ranges::equal(one.search.nodes.values(), three.search.nodes.values()));
   CHECK(std::ranges::equal(one.search.proposals.values(), three.search.proposals.values()));
   CHECK(one.search.near == three.search.near);
+  CHECK(one.search.edges == three.search.edges);
   CHECK(one.checks.validity == three.checks.validity);
   CHECK(one.checks.motion == three.checks.motion);
 }
@@ -137,7 +140,10 @@ TEST_CASE("a run of several threads has the record of one thread") {
       guide("shrink", {{"scale", 0.5}}) >> guide("lazy") >> planner("rrt_connect", many),
       guide("skeleton") >> guide("shrink", {{"scale", 0.8}}) >> planner("rrt", many),
       guide("goal_bias", {{"share", 0.25}}) >> planner("rrt_connect", many),
-      StrategySpec(PlannerSpec::make("prm", {{"proposals", std::int64_t{400}}})),
+      StrategySpec(PlannerSpec::make("prm", {{"proposals", many}})),
+      StrategySpec(PlannerSpec::make("prm", {{"proposals", many}, {"neighbours", std::int64_t{3}}, {"radius", 0.8}})),
+      StrategySpec(PlannerSpec::make("prm_star", {{"proposals", std::int64_t{2500}}})),
+      guide("shrink", {{"scale", 0.5}}) >> PlannerSpec::make("prm", {{"proposals", many}}),
   };
   test::RandomSpecs random(7);
   for (int i = 0; i < 4; ++i) strategies.push_back(random.strategy(3));

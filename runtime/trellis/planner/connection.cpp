@@ -22,14 +22,31 @@ void Connection::find(const NearestIndex& index, View q, std::vector<NearestInde
   find(index, q, out, 1.0);
 }
 
-std::size_t Connection::most(const NearestIndex& index) const {
+std::size_t Connection::most(std::size_t nodes) const {
   switch (rule_) {
     case Rule::fixed: return static_cast<std::size_t>(neighbours_);
     case Rule::k_nearest:
-      return static_cast<std::size_t>(std::ceil(neighbours_ * std::log(static_cast<double>(index.size() + 1))));
-    case Rule::within: return index.size();
+      return static_cast<std::size_t>(std::ceil(neighbours_ * std::log(static_cast<double>(nodes + 1))));
+    case Rule::within: return nodes;
   }
   return 0;
+}
+
+bool Connection::find_since(const NearestIndex& index, View q, const std::vector<NearestIndex::Neighbour>& old,
+                            std::size_t old_nodes, const NearestIndex& added,
+                            std::vector<NearestIndex::Neighbour>& out) const {
+  const std::size_t wanted = most(index);
+  if (rule_ == Rule::within || wanted != most(old_nodes)) return false;
+  added.k_nearest(q, wanted, out);
+  while (!out.empty() && std::sqrt(out.back().squared_distance) > radius_) out.pop_back();
+  for (auto& neighbour : out) neighbour.id += static_cast<std::uint32_t>(old_nodes);
+  const auto middle = static_cast<std::ptrdiff_t>(out.size());
+  out.insert(out.end(), old.begin(), old.end());
+  std::inplace_merge(out.begin(), out.begin() + middle, out.end(), [](const auto& a, const auto& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.id < b.id;
+  });
+  if (out.size() > wanted) out.resize(wanted);
+  return true;
 }
 
 bool Connection::find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, double more) const {

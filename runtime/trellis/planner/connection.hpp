@@ -26,6 +26,12 @@ class Connection {
 
   /// Finds the nodes to connect a new node at q to.
   void find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out) const;
+  /// The same, where the nodes found before others were added are known.
+  /// \param old  those that `find` found in the index of `old_nodes` nodes
+  /// \param added  the nodes that were added to that one since
+  /// \return false where that does not say which nodes `find` finds now; then `out` is undefined
+  bool find_since(const NearestIndex& index, View q, const std::vector<NearestIndex::Neighbour>& old,
+                  std::size_t old_nodes, const NearestIndex& added, std::vector<NearestIndex::Neighbour>& out) const;
   /// The same among the nodes for which `usable` returns true. Other nodes do not count towards the k nearest.
   template <class Usable>
   void find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, const Usable& usable) const {
@@ -44,7 +50,8 @@ class Connection {
   /// \return whether a larger factor finds no further node
   bool find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, double more) const;
   /// The maximum number of nodes to connect a new node to.
-  [[nodiscard]] std::size_t most(const NearestIndex& index) const;
+  [[nodiscard]] std::size_t most(const NearestIndex& index) const { return most(index.size()); }
+  [[nodiscard]] std::size_t most(std::size_t nodes) const;
 
   enum class Rule : std::uint8_t { fixed, k_nearest, within };
   Connection(Rule rule, double neighbours, double radius, double dimension)

@@ -53,6 +53,11 @@ class Connectivity {
   }
   /// Whether two vertices are connected.
   [[nodiscard]] bool same(std::uint32_t a, std::uint32_t b) { return root(a) == root(b); }
+  /// Equal for two vertices if they are connected. Changes nothing, so that several threads may call it.
+  [[nodiscard]] std::uint32_t component(std::uint32_t vertex) const {
+    while (parents_[vertex] != vertex) vertex = parents_[vertex];
+    return vertex;
+  }
   [[nodiscard]] bool connected(std::uint32_t vertex, std::uint8_t side) { return (sides_[root(vertex)] & side) != 0; }
 
  private:

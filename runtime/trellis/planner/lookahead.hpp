@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -32,8 +33,17 @@ class StepAhead {
 
   Configuration proposal;
   Configuration target;  ///< memory for the end of an extension
+  // Of a roadmap:
+  std::optional<bool> valid;                         ///< the proposal
+  std::vector<NearestIndex::Neighbour> neighbours;   ///< of a valid proposal
+  std::size_t nodes = 0;                             ///< number of nodes among which they were found
+  std::vector<std::uint32_t> components;             ///< memory for the components that it is connected to
 
-  void clear() { nearest_count_ = motion_count_ = 0; }
+  void clear() {
+    nearest_count_ = motion_count_ = 0;
+    valid.reset();
+    nodes = 0;
+  }
   /// Adds a node of a tree that is the nearest to q of those that the tree has now.
   void add_nearest(const void* tree, View q, NearestIndex::Neighbour node) {
     if (nearest_count_ == nearest_.size()) nearest_.emplace_back();
@@ -59,7 +69,7 @@ class StepAhead {
   /// The report that was added for this motion; nullptr: none was.
   [[nodiscard]] const MotionReport* motion(View from, View to) const {
     for (std::size_t i = 0; i < motion_count_; ++i) {
-      if (equal(motions_[i].to, to) && equal(motions_[i].from, from)) return &motions_[i].report;
+      if (equal(motions_[i].from, from) && equal(motions_[i].to, to)) return &motions_[i].report;
     }
     return nullptr;
   }

@@ -23,6 +23,7 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerC
       connection_(connection),
       best_(context_, mode.improve),
       index_(context_.instance.space),
+      lookahead_(context_),
       blocked_motions_(dimension()),
       sample_(dimension()),
       target_(dimension()),
@@ -38,6 +39,7 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerC
 std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
   static_cast<void>(budget);
   auto& instance = context_.instance;
+  lookahead_.clear();
   best_.begin();
   begin_evaluation();
   repaired_ = without_proposals_ = false;
@@ -272,7 +274,9 @@ void RoadmapPlanner::remove_goal(std::uint32_t vertex) {
 
 void RoadmapPlanner::grow() {
   auto& instance = context_.instance;
+  const Lookahead::Timed timed = lookahead_.begin_step(*this);
   propose(context_, sample_);
+  lookahead_.drawn(sample_);
   Outcome outcome;
   outcome.proposal = sample_;
   const bool grows = mode_.step < std::numeric_limits<double>::infinity();
@@ -291,8 +295,7 @@ void RoadmapPlanner::grow() {
     report_joined();
     return;
   }
-  // Where each proposal becomes a node, the search for neighbours finds the nearest node, too.
-  const bool one_search = !grows && !mode_.lazy_nodes;
+  const bool one_search = inserts_proposals();
   NearestIndex::Neighbour near;
   if (one_search) {
     target_ = sample_;
@@ -303,12 +306,12 @@ void RoadmapPlanner::grow() {
   if (grows) outcome.near = node(near.id);
   const bool reaches = one_search || steer(instance.space, node(near.id), sample_, std::sqrt(near.squared_distance),
                                            mode_.step, target_);
-  if (!mode_.lazy_nodes && !instance.valid(target_)) {
+  if (!mode_.lazy_nodes && !target_valid()) {
     outcome.blocked_at = target_;
     record_outcome(context_, outcome, from);
     return;
   }
-  if (one_search) connection_.find(index_, target_, neighbours_);
+  if (one_search) find_neighbours(target_);
   if (one_search ? is_neighbour() : near.squared_distance == 0.0) {
     record_outcome(context_, outcome, from);
     return;
@@ -329,6 +332,51 @@ void RoadmapPlanner::grow() {
   record_outcome(context_, outcome, from, rows_.back());
   blocked_motions_.report(context_);
   report_joined();
+}
+
+void RoadmapPlanner::look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const {
+  static_cast<void>(step);
+  const View q = ahead.proposal;
+  ahead.valid = validity.state(q);
+  if (!*ahead.valid) return;
+  connection_.find(index_, q, ahead.neighbours);
+  ahead.nodes = index_.size();
+  auto& components = ahead.components;
+  components.clear();
+  for (const auto& neighbour : ahead.neighbours) {
+    if (neighbour.squared_distance == 0.0) return;
+    if (nodes_[neighbour.id] == Known::invalid) continue;
+    const std::uint32_t component = connectivity_.component(neighbour.id);
+    const bool later = mode_.between_components && !presumed_;
+    if (later && std::find(components.begin(), components.end(), component) != components.end()) continue;
+    const MotionReport report = validity.motion(node(neighbour.id), q);
+    ahead.add_motion(node(neighbour.id), q, report);
+    if (report.valid) components.push_back(component);
+  }
+}
+
+bool RoadmapPlanner::target_valid() {
+  auto& instance = context_.instance;
+  const StepAhead* ahead = lookahead_.present();
+  if (ahead == nullptr || !ahead->valid) return instance.valid(target_);
+  // Counts as Instance::valid does.
+  if (instance.validity->spends_checks()) {
+    ++instance.checks.validity;
+    ++instance.checks.alone;
+  }
+  return *ahead->valid;
+}
+
+void RoadmapPlanner::mark_new_nodes(bool begins) {
+  new_nodes_.reset();
+  if (begins) new_nodes_.emplace(context_.instance.space);
+}
+
+void RoadmapPlanner::find_neighbours(View q) {
+  const StepAhead* ahead = lookahead_.present();
+  const bool known = ahead != nullptr && ahead->nodes > 0 &&
+                     connection_.find_since(index_, q, ahead->neighbours, ahead->nodes, *new_nodes_, neighbours_);
+  if (!known) connection_.find(index_, q, neighbours_);
 }
 
 void RoadmapPlanner::enhance() {
@@ -380,6 +428,7 @@ void RoadmapPlanner::insert_found(View q, Known known) {
   nodes_.push_back(known);
   if (judged_) context_.search.validated.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
+  if (new_nodes_) new_nodes_->add(q);
   // The bound is 0 for several goals, because an edge between goals costs less than the difference of their distances
   // to the start.
   const double to_goal = context_.instance.to_goal(q);
@@ -395,7 +444,9 @@ void RoadmapPlanner::insert_found(View q, Known known) {
     if (nodes_[neighbour.id] == Known::invalid) continue;
     const bool later = deferred(neighbour.id, id);
     if (!later) {
-      const MotionReport report = context_.instance.motion(node(neighbour.id), node(id));
+      const StepAhead* ahead = lookahead_.present();
+      const MotionReport report = context_.instance.motion(
+          node(neighbour.id), node(id), ahead != nullptr ? ahead->motion(node(neighbour.id), node(id)) : nullptr);
       if (!report.valid) {
         blocked_motions_.add(context_.instance.space, node(neighbour.id), node(id), report.invalid_at);
         continue;

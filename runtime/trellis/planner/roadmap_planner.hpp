@@ -13,12 +13,13 @@
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/planner/anytime.hpp>
 #include <trellis/planner/connectivity.hpp>
+#include <trellis/planner/lookahead.hpp>
 #include <trellis/planner/roadmap.hpp>
 
 namespace trellis {
 
 /// The probabilistic roadmap planners: eager or lazy validation, first path or anytime improvement.
-class RoadmapPlanner final : public Planner {
+class RoadmapPlanner final : public Planner, private Lookahead::Steps {
  public:
   struct Mode {
     bool lazy_nodes = false;  ///< checks a node when the shortest path contains it
@@ -58,6 +59,18 @@ class RoadmapPlanner final : public Planner {
   static constexpr std::uint32_t goal = LifelongSearch::goal;
   /// Cost of an edge that represents no motion: too small to change the order of paths.
   static constexpr double jump_cost = 1e-12;
+
+  /// Whether each proposal becomes a node, if it is valid: then the search for neighbours finds the nearest node, too.
+  [[nodiscard]] bool inserts_proposals() const {
+    return !mode_.lazy_nodes && mode_.step == std::numeric_limits<double>::infinity();
+  }
+  [[nodiscard]] std::size_t nodes() const override { return inserts_proposals() ? rows_.size() : 0; }
+  void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const override;
+  void mark_new_nodes(bool begins) override;
+  /// Whether the proposal at target_ is valid: checks it, or takes the answer that was computed ahead.
+  [[nodiscard]] bool target_valid();
+  /// Finds the neighbours of the proposal at q.
+  void find_neighbours(View q);
 
   /// A step, without the count of its work.
   std::optional<Status> advance();
@@ -175,6 +188,8 @@ class RoadmapPlanner final : public Planner {
   Connection connection_;
   BestPath best_;
   NearestIndex index_;
+  std::optional<NearestIndex> new_nodes_;  ///< nodes that steps computed ahead do not contain
+  Lookahead lookahead_;
   LifelongSearch paths_;
   std::vector<std::uint32_t> rows_;
   std::vector<Known> nodes_;
