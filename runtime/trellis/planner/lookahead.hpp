@@ -34,10 +34,10 @@ class StepAhead {
   Configuration proposal;
   Configuration target;  ///< memory for the end of an extension
   // Of a roadmap:
-  std::optional<bool> valid;                         ///< the proposal
-  std::vector<NearestIndex::Neighbour> neighbours;   ///< of a valid proposal
-  std::size_t nodes = 0;                             ///< number of nodes among which they were found
-  std::vector<std::uint32_t> components;             ///< memory for the components that it is connected to
+  std::optional<bool> valid;                        ///< the proposal
+  std::vector<NearestIndex::Neighbour> neighbours;  ///< of a valid proposal
+  std::size_t nodes = 0;                            ///< number of nodes among which they were found
+  std::vector<std::uint32_t> components;            ///< memory for the components that it is connected to
 
   void clear() {
     nearest_count_ = motion_count_ = 0;
