@@ -265,7 +265,12 @@ TEST_CASE("a guide that is set up again in a changed world counts with all of th
     test::check_law(strategy, trap, seed);
     const RunRecord run = execute(strategy, trap, seed);
     REQUIRE(run.levels.size() == 3);
-    if (run.levels.back().resolves.changed_world == 0) continue;
+    // It is counted before it begins, so it is no part of a step; and not where the run ends before.
+    CHECK(run.bounded.largest_step.work < least);
+    if (run.levels.back().resolves.changed_world == 0) {
+      CHECK(run.bounded.guided.work < least);
+      continue;
+    }
     ++changed;
     CHECK(run.bounded.guided.work >= least);
     // The planner alone has done as much before.

@@ -132,6 +132,7 @@ class Running {
       companion_->search().level().guidance().report_paths(
           [this](double length) { note_improvement(companion_->run(), length); });
       run_.before_step = [this] { return companion_ends_run(); };
+      run_.before_set_up = [this](double work) { return companion_ends_run_before(work); };
     }
     // Otherwise the companion goes first.
     if (set_up_ <= companion_constant.work) set_up();
@@ -279,6 +280,17 @@ class Running {
     ending_ = companion_decides(guided);
     // What the levels still do while they end counts with the step before.
     if (!ending_) note_step();
+    return ending_;
+  }
+
+  /// Called before a further set-up: lets the companion catch up as if it was done. Returns whether the run ends. What
+  /// is counted before it begins is no part of a step.
+  bool companion_ends_run_before(double set_up) {
+    if (ending_) return true;
+    const RunCost guided = run_.cost() + RunCost{0.0, set_up};
+    companion_->keep_up(wanted(guided), run_.clock);
+    ending_ = companion_decides(guided);
+    if (!ending_) guided_before_.work += set_up;
     return ending_;
   }
 

@@ -327,10 +327,9 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     known_->new_from = known_->samples.size();
     return sub;
   }
-  /// Returns false, without applying f, where the run ends first: what it costs is counted before.
+  /// Returns false, without applying f, where the run ends before.
   bool project_again() {
-    const bool costly = run_.count_changed_world(spec_, *parent_.instance().scene);
-    if (costly && run_.before_step && run_.before_step()) return false;
+    if (!run_.count_further_set_up(spec_, *parent_.instance().scene)) return false;
     auto sub = project();
     if (known_ && sub->space != level_->instance().space) {
       located([&] {

@@ -41,19 +41,21 @@ SetUp set_up_of(const GuideSpec& guide, const Scene& scene) {
 void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
   const SetUp work = set_up_of(guide, scene);
   set_up += work.run;
-  if (work.world > 0.0 && is_new(guide, scene)) set_up += work.world / queries;
+  if (work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second) {
+    set_up += work.world / queries;
+  }
 }
 
-bool Run::count_changed_world(const GuideSpec& guide, const Scene& scene) {
+bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
   const SetUp work = set_up_of(guide, scene);
+  const auto world = std::pair(guide.name(), scene.world_identity());
+  if (work.world > 0.0 && !prepared_.contains(world)) {
+    if (before_set_up && before_set_up(work.run + work.world)) return false;
+    prepared_.insert(world);
+    set_up += work.world;
+  }
   set_up += work.run;
-  if (work.world <= 0.0 || !is_new(guide, scene)) return false;
-  set_up += work.world;
   return true;
-}
-
-bool Run::is_new(const GuideSpec& guide, const Scene& scene) {
-  return prepared_.emplace(guide.name(), scene.world_identity()).second;
 }
 
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,

@@ -69,6 +69,8 @@ struct Run {
   double set_up = 0.0;     ///< work of setting up guides
   /// Called before each step of each level. Returns whether the run ends.
   std::function<bool()> before_step;
+  /// Called before a further set-up of so much work. Returns whether the run ends.
+  std::function<bool(double work)> before_set_up;
   /// Whether the time of the run is over, by the root's budget of seconds. Empty without such a budget.
   std::function<bool()> out_of_time;
 
@@ -76,15 +78,12 @@ struct Run {
   /// `queries`.
   void count_set_up(const GuideSpec& guide, const Scene& scene);
   /// The same where f is applied again. What depends on a world that changed during this run counts with all of it: no
-  /// other run asks it. Returns whether there is such work.
-  bool count_changed_world(const GuideSpec& guide, const Scene& scene);
+  /// other run asks it. Returns false, and counts nothing, where the run ends before.
+  bool count_further_set_up(const GuideSpec& guide, const Scene& scene);
   /// Of all levels.
   [[nodiscard]] RunCost cost() const;
 
  private:
-  /// Whether the guide has no set-up in this world yet; from then on it has.
-  bool is_new(const GuideSpec& guide, const Scene& scene);
-
   std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
 };
 
