@@ -33,7 +33,7 @@ void check(const trellis::SphereModel& model) {
   for (const auto& balls : model.bodies()) {
     for (const trellis::BodySphere& ball : balls) good = good && ball.radius >= 0.0 && std::isfinite(norm(ball.centre));
   }
-  for (const auto& [a, b] : model.pairs()) good = good && a < b && b < model.bodies().size();
+  for (const auto& [a, b] : model.pairs()) good = good && a < b && b < model.parts().size();
   for (const auto& state : model.states()) good = good && state.q.size() == robot.dimension();
   const trellis::Configuration zero(robot.dimension(), 0.0);
   good = good && std::isfinite(norm(model.tip_at(zero)));

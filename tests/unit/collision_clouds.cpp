@@ -178,7 +178,7 @@ TEST_CASE("the kernels of all instruction sets give the same bits for clouds", "
         const kernel::Table& table = *tables[t];
         std::vector<kernel::Lanes> frames(12 * bodies), rates(6 * bodies), centres(3 * prepared.ball_count());
         for (const std::size_t k : {0U, 4U, 8U}) std::fill(std::begin(frames[k].v), std::end(frames[k].v), 1.0);
-        std::vector<unsigned> candidates(what.solid_count + bodies);
+        std::vector<unsigned> candidates(prepared.scratch_count());
         table.move_chain(chain.data(), bodies, values.data(), frames.data());
         table.rate_chain(chain.data(), bodies, frames.data(), change.data(), rates.data());
         const kernel::ChainMotion motion{change.data(), bend.data(), pair_bend.data()};

@@ -78,13 +78,17 @@ class BallByBall {
         doubt = std::min(doubt, checkers_[b][i]->valid(at) ? checkers_[b][i]->clearance(at) : doubt);
       }
     }
-    for (const auto& [a, b] : model_.pairs()) {
-      for (std::size_t i = 1; i < centres[a].size(); ++i) {
-        for (std::size_t j = 1; j < centres[b].size(); ++j) {
-          const double gap =
-              norm(centres[a][i] - centres[b][j]) - model_.bodies()[a][i].radius - model_.bodies()[b][j].radius;
-          doubt = std::min(doubt, std::abs(gap));
-          free = free && gap > 0.0;
+    // Link by link, whatever the bodies and their parts.
+    for (std::size_t a = 0; a < centres.size(); ++a) {
+      for (std::size_t b = a + 1; b < centres.size(); ++b) {
+        for (std::size_t i = 1; i < centres[a].size(); ++i) {
+          for (std::size_t j = 1; j < centres[b].size(); ++j) {
+            if (!model_.checked(model_.link_of(a, i), model_.link_of(b, j))) continue;
+            const double gap =
+                norm(centres[a][i] - centres[b][j]) - model_.bodies()[a][i].radius - model_.bodies()[b][j].radius;
+            doubt = std::min(doubt, std::abs(gap));
+            free = free && gap > 0.0;
+          }
         }
       }
     }
@@ -334,7 +338,7 @@ TEST_CASE("the kernels of all instruction sets give the same bits for manipulato
           std::vector<kernel::Lanes> frames(12 * bodies), rates(6 * bodies), centres(3 * prepared.ball_count());
           frames[0].v[0] = 0.0;
           for (const std::size_t k : {0U, 4U, 8U}) std::fill(std::begin(frames[k].v), std::end(frames[k].v), 1.0);
-          std::vector<unsigned> candidates(what.solid_count + bodies);
+          std::vector<unsigned> candidates(prepared.scratch_count());
           table.move_chain(chain.data(), bodies, values.data(), frames.data());
           table.rate_chain(chain.data(), bodies, frames.data(), change.data(), rates.data());
           const kernel::ChainMotion motion{change.data(), bend.data(), pair_bend.data()};

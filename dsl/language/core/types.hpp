@@ -101,7 +101,7 @@ struct Weight<SphereModel> {
     for (const Link& one : robot.robot().tree().links()) {
       for (const Solid& solid : one.solids) sum += Weight<dsl::NamedShape>::of(solid);
     }
-    return sum + sizeof(std::size_t) * 2 * robot.pairs().size();
+    return sum + sizeof(std::size_t) * 2 * (robot.pairs().size() + robot.may_touch().size());
   }
 };
 template <>

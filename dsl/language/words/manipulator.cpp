@@ -35,8 +35,8 @@ const Settings<UrdfSettings>& urdf_settings() {
       Settings<UrdfSettings>(Component::Kind::scene, "robot", "a robot of a URDF file", "")
           .boolean(
               "self_collision", &UrdfSettings::self_collision,
-              "links that no joint connects must not touch, but for the pairs that the SRDF file disables; without "
-              "such a file those that touch nearly everywhere may");
+              "links that are no neighbours must not touch, but for the pairs that the SRDF file disables, and those "
+              "that touch in nearly every configuration, which a warning names");
   return settings;
 }
 

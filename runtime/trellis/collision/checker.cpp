@@ -34,7 +34,8 @@ std::vector<std::string> collision_backends(const Scene& scene) {
 
 std::string describe(const Contact& contact, const Scene& scene) {
   if (contact.other) {
-    return fmt::format("itself ({} meets {})", scene.body_name(contact.body), scene.body_name(*contact.other));
+    return fmt::format("itself ({} meets {})", contact.link.empty() ? scene.body_name(contact.body) : contact.link,
+                       contact.other_link.empty() ? scene.body_name(*contact.other) : contact.other_link);
   }
   if (!contact.obstacle) return "the world's boundary";
   return scene.obstacle_name(*contact.obstacle);

@@ -151,10 +151,15 @@ std::uint64_t hash_of(const SphereModel& model) {
       put_number(bytes, ball.radius);
     }
   }
+  for (const SphereModel::Part& part : model.parts()) {
+    put_integer(bytes, part.body);
+    put_integer(bytes, part.count());
+  }
   for (const auto& [first, second] : model.pairs()) {
     put_integer(bytes, first);
     put_integer(bytes, second);
   }
+  if (const auto standing = model.standing()) put_number(bytes, standing->gap);
   return stable_hash(bytes);
 }
 

@@ -109,6 +109,21 @@ std::vector<SphereModel::State> states_of(const SrdfFile& srdf, const Manipulato
   return states;
 }
 
+/// Names the pairs of links that are not checked because they touch in nearly every configuration.
+std::string touching_warning(const ManipulatorFiles& files, const KinematicTree& tree,
+                             const SphereModel::Pairs& touching) {
+  std::vector<std::string> pairs;
+  pairs.reserve(touching.size());
+  for (const auto& [a, b] : touching) {
+    pairs.push_back(fmt::format("'{}' and '{}'", tree.links()[a].name, tree.links()[b].name));
+  }
+  return fmt::format(
+      "{}: pairs of links that touch in nearly every configuration are not checked against each other, "
+      "though {}: {}",
+      files.srdf.empty() ? files.urdf : files.srdf,
+      files.srdf.empty() ? "no SRDF file disables them" : "the file does not disable them", fmt::join(pairs, ", "));
+}
+
 SphereModel::Pairs all_pairs(std::size_t links) {
   SphereModel::Pairs pairs;
   for (std::size_t a = 0; a < links; ++a) {
@@ -142,24 +157,23 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
       throw Error(fmt::format("{}: {}", files.urdf, e.what()));
     }
   }();
+  const std::vector<LinkBalls> balls = link_balls(tree);
   SphereModel::Pairs may_touch;
   if (!files.self_collision) {
     may_touch = all_pairs(tree.links().size());
   } else {
     if (srdf) may_touch = srdf->disabled;
-    const SphereModel::Pairs touching = likely_contacts(robot, may_touch, !srdf);
-    for (const auto& [a, b] : touching) {
-      if (!srdf) break;
-      warnings.push_back(
-          fmt::format("{}: '{}' and '{}' touch in nearly every configuration, and the file does not "
-                      "disable their check: they may",
-                      files.srdf, robot.bodies()[a].name, robot.bodies()[b].name));
-    }
-    const SphereModel::Pairs links = links_of(robot, touching);
-    may_touch.insert(may_touch.end(), links.begin(), links.end());
-    std::sort(may_touch.begin(), may_touch.end());
+    const SphereModel::Pairs touching = likely_contacts(tree, balls, may_touch);
+    if (!touching.empty()) warnings.push_back(touching_warning(files, tree, touching));
+    may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   }
-  SphereModel model(robot, std::move(may_touch));
+  SphereModel model(robot, balls, std::move(may_touch));
+  if (const auto standing = model.standing(); standing && standing->gap <= 0.0) {
+    warnings.push_back(
+        fmt::format("{}: '{}' meets '{}' at the values of the joints that do not move: no configuration "
+                    "is valid; values = {{ JOINT = VALUE }} places these joints",
+                    files.urdf, tree.links()[standing->first].name, tree.links()[standing->second].name));
+  }
   return srdf ? model.with_states(states_of(*srdf, robot)) : model;
 }
 

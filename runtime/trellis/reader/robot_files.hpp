@@ -59,8 +59,8 @@ struct ManipulatorFiles {
 };
 
 /// Reads a robot from its URDF file, and from its SRDF file if there is one. Its named states are those of the SRDF
-/// file that give a value for each joint that moves, and those of the base are 0. Bodies that touch in nearly every
-/// configuration may touch, with a SRDF file by a warning; without one those that touch at 0 too.
+/// file that give a value for each joint that moves, and those of the base are 0. Links that touch in nearly every
+/// configuration may touch, by a warning that names them, with a SRDF file and without one.
 /// \param warnings  receives those of the files
 /// \throws Error with file and line; or with the nearest name where a group or a joint does not exist
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings);

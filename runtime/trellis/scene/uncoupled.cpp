@@ -40,15 +40,14 @@ SphereModel uncoupled(const SphereModel& model, const std::vector<RobotPair>& pa
     return std::nullopt;
   };
   SphereModel::Pairs touching;
-  for (std::size_t a = 0; a < robot.bodies().size(); ++a) {
-    for (std::size_t b = a + 1; b < robot.bodies().size(); ++b) {
-      const bool checked =
-          std::find(model.pairs().begin(), model.pairs().end(), std::pair(a, b)) != model.pairs().end();
-      const auto one = mover(a), other = mover(b);
-      if (!checked || (one && other && has_pair(pairs, *one, *other))) touching.emplace_back(a, b);
+  const std::size_t links = robot.tree().links().size();
+  for (std::size_t a = 0; a < links; ++a) {
+    for (std::size_t b = a + 1; b < links; ++b) {
+      const auto one = mover(robot.body_of(a)), other = mover(robot.body_of(b));
+      if (one && other && has_pair(pairs, *one, *other)) touching.emplace_back(a, b);
     }
   }
-  return SphereModel(robot, links_of(robot, touching)).based_at(model.base()).with_states(model.states());
+  return model.permitting(touching);
 }
 
 }  // namespace

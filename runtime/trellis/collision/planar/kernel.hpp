@@ -89,9 +89,9 @@ struct Table {
   /// Returns the lanes in which a manipulator touches something. Stops early once the first lane does; lanes after the
   /// first may lack what touches a cloud.
   /// \param centres  memory for three lanes of each ball
-  /// \param candidates  memory for a number of each solid and each body
+  /// \param scratch  memory for two numbers of each solid and one of each block of balls
   unsigned (*meet_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Scene3& scene,
-                         Lanes* centres, unsigned* candidates);
+                         Lanes* centres, unsigned* scratch);
   /// Whether a manipulator touches something at one configuration. The answer is that of meet_chain.
   /// \param values  of the coordinates
   /// \param memory  frames of the first body, the base, are given
@@ -104,13 +104,13 @@ struct Table {
   /// in the others it certainly does not. Stops early once it may in all of them.
   /// \param rates  for motion.change
   unsigned (*approach_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
-                             const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* candidates);
+                             const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* scratch);
   /// Computes the least distance of a manipulator from everything.
-  /// \param placed  memory for a number of each body
+  /// \param scratch  as meet_chain
   /// \param least  on entry what the distances are at most; then the least one, at most 0 in contact
   /// \param sure   on entry as `least`; then a lower bound on the distance on the part of the motion
   void (*measure_chain)(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
-                        const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* placed, Lanes& least,
+                        const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* scratch, Lanes& least,
                         Lanes& sure);
 };
 

@@ -66,13 +66,15 @@ class OneChain {
     return false;
   }
 
-  /// Whether two bodies touch.
-  bool touch(unsigned a, unsigned b) {
+  /// Whether two parts touch.
+  bool touch(const BallPart& one, const BallPart& other_part) {
+    const unsigned a = one.body;
+    const unsigned b = other_part.body;
     const ChainBody& first = bodies_[a];
     const ChainBody& second = bodies_[b];
     const V slack = spread(scene_.slack);
-    for (unsigned k = 0; k < first.block_count; ++k) {
-      for (unsigned l = 0; l < second.block_count; ++l) {
+    for (unsigned k = one.first_block; k < one.end_block; ++k) {
+      for (unsigned l = other_part.first_block; l < other_part.end_block; ++l) {
         const V3 two = centres(b, l);
         const V radius = radii(b, l);
         const V3 other = ball(b, l, 0);
@@ -187,7 +189,7 @@ bool touches(const ChainBody* bodies, unsigned count, const double* values, cons
     return true;
   }
   for (unsigned p = 0; p < scene.pair_count; ++p) {
-    if (chain.touch(scene.pairs[2UL * p], scene.pairs[2UL * p + 1])) return true;
+    if (chain.touch(scene.parts[scene.pairs[2UL * p]], scene.parts[scene.pairs[2UL * p + 1]])) return true;
   }
   return false;
 }

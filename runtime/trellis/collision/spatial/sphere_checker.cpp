@@ -45,6 +45,8 @@ class SphereChecker final : public Checker {
       // The base does not move: it is checked as the others, so that a base in an obstacle is found.
       if (!model_.bodies()[b].empty()) solid_.push_back(b);
     }
+    if (const auto standing = model_.standing()) standing_gap_ = standing->gap;
+    stands_in_contact_ = standing_gap_ <= slack_;
     sums_.resize(solid_.size());
     Configuration unit(space.dimension(), 0.0);
     for (double& x : unit) {
@@ -59,12 +61,14 @@ class SphereChecker final : public Checker {
   }
 
   [[nodiscard]] bool valid(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return false;
+    if (stands_in_contact_ || !is_finite(q, robot_.dimension())) return false;
     return batched_ ? !touches(q) : free_at(q);
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
+    if (stands_in_contact_ || !is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
+      return {false, 1, 1.0};
+    }
     const std::uint32_t n = configurations_of(displacement(a, b), resolution_);
     // The end is the first configuration of a motion, and most invalid motions of a search end in contact.
     const bool end_alone = batched_ && end_decides_.pays();
@@ -113,6 +117,12 @@ class SphereChecker final : public Checker {
       certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
       return;
     }
+    if (stands_in_contact_) {
+      certificate.refuted_at = 0.0;
+      return;
+    }
+    certificate.nearest = std::min(certificate.nearest, standing_gap_);
+    certificate.clearance = std::min(certificate.clearance, standing_gap_);
     Clearances motion(*this, a, b);
     const double longest =
         std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
@@ -122,7 +132,7 @@ class SphereChecker final : public Checker {
   [[nodiscard]] double clearance(View q) const override {
     if (!is_finite(q, robot_.dimension())) return 0.0;
     place(q);
-    const double found = distance_at(std::numeric_limits<double>::infinity(), nullptr);
+    const double found = std::min(distance_at(std::numeric_limits<double>::infinity(), nullptr), standing_gap_);
     return found <= slack_ ? 0.0 : found;
   }
 
@@ -180,8 +190,18 @@ class SphereChecker final : public Checker {
       }
       if (first) return Contact{b, first};
     }
-    for (const auto& [a, b] : model_.pairs()) {
-      if (gap(a, b, std::numeric_limits<double>::infinity()) <= slack_) return Contact{a, std::nullopt, b};
+    const auto itself = [&](std::size_t one, std::size_t other) {
+      const auto& links = robot_.tree().links();
+      return Contact{robot_.body_of(one), std::nullopt, robot_.body_of(other), links[one].name, links[other].name};
+    };
+    if (stands_in_contact_) return itself(model_.standing()->first, model_.standing()->second);
+    for (const auto& [first, second] : model_.pairs()) {
+      const SphereModel::Part& a = model_.parts()[first];
+      const SphereModel::Part& b = model_.parts()[second];
+      std::pair<std::size_t, std::size_t> balls;
+      if (gap(a, b, std::numeric_limits<double>::infinity(), &balls) <= slack_) {
+        return itself(model_.link_of(a.body, balls.first), model_.link_of(b.body, balls.second));
+      }
     }
     return std::nullopt;
   }
@@ -194,7 +214,7 @@ class SphereChecker final : public Checker {
     rates_.resize(6 * bodies);
     frames3_.resize(12 * bodies);
     centres_.resize(3 * shared_->ball_count());
-    candidates_.resize(shared_->kernel_scene().solid_count + bodies);
+    scratch_.resize(shared_->scratch_count());
     one_.emplace(*shared_, BodyFrame{matrix_of(base_.orientation), base_.position});
     const Matrix3 base = matrix_of(base_.orientation);
     for (double& value : frames3_[9].v) value = base_.position.x;
@@ -235,7 +255,7 @@ class SphereChecker final : public Checker {
     kernel::Scene3 scene = shared_->kernel_scene();
     scene.cloud_lanes = asked;
     kernel_.move_chain(chain().data(), count, values_.data(), frames3_.data());
-    return kernel_.meet_chain(chain().data(), count, frames3_.data(), scene, centres_.data(), candidates_.data());
+    return kernel_.meet_chain(chain().data(), count, frames3_.data(), scene, centres_.data(), scratch_.data());
   }
 
   /// A bound on how far the robot's points move from a to b.
@@ -366,20 +386,32 @@ class SphereChecker final : public Checker {
     return least;
   }
 
-  /// The distance of two bodies, or `enough` where it is not less.
-  [[nodiscard]] double gap(std::size_t a, std::size_t b, double enough) const {
-    const auto& first = model_.bodies()[a];
-    const auto& second = model_.bodies()[b];
-    if (first.empty() || second.empty()) return enough;
+  /// The distance of two parts, or `enough` where it is not less.
+  /// \param nearest  receives the balls that are nearest to each other
+  [[nodiscard]] double gap(const SphereModel::Part& a, const SphereModel::Part& b, double enough,
+                           std::pair<std::size_t, std::size_t>* nearest = nullptr) const {
+    const auto& first = model_.bodies()[a.body];
+    const auto& second = model_.bodies()[b.body];
+    const std::vector<Vec3>& one = placed_[a.body];
+    const std::vector<Vec3>& two = placed_[b.body];
     double least = enough;
-    if (norm(placed_[a][0] - placed_[b][0]) - first[0].radius - second[0].radius >= least) return least;
-    for (std::size_t i = 1; i < first.size(); ++i) {
-      if (norm(placed_[a][i] - placed_[b][0]) - first[i].radius - second[0].radius >= least) continue;
-      for (std::size_t j = 1; j < second.size(); ++j) {
-        least = std::min(least, norm(placed_[a][i] - placed_[b][j]) - first[i].radius - second[j].radius);
+    if (norm(one[0] - two[0]) - first[0].radius - second[0].radius >= least) return least;
+    const Vec3 whole = frames_[b.body](b.whole.centre);
+    if (norm(frames_[a.body](a.whole.centre) - whole) - a.whole.radius - b.whole.radius >= least) return least;
+    for (std::size_t i = a.begin; i < a.end; ++i) {
+      if (norm(one[i] - whole) - first[i].radius - b.whole.radius >= least) continue;
+      for (std::size_t j = b.begin; j < b.end; ++j) {
+        const double found = norm(one[i] - two[j]) - first[i].radius - second[j].radius;
+        if (found >= least) continue;
+        least = found;
+        if (nearest != nullptr) *nearest = {i, j};
       }
     }
     return least;
+  }
+  /// As above, for a pair of the model.
+  [[nodiscard]] double gap(const std::pair<std::size_t, std::size_t>& pair, double enough) const {
+    return gap(model_.parts()[pair.first], model_.parts()[pair.second], enough);
   }
 
   [[nodiscard]] bool free_at(View q) const {
@@ -392,7 +424,7 @@ class SphereChecker final : public Checker {
       if (margin_of(b) <= -slack_ || distance_of(b, 2.0 * slack_) <= slack_) return false;
     }
     return std::all_of(model_.pairs().begin(), model_.pairs().end(),
-                       [&](const auto& pair) { return gap(pair.first, pair.second, 2.0 * slack_) > slack_; });
+                       [&](const auto& pair) { return gap(pair, 2.0 * slack_) > slack_; });
   }
 
   /// The least distance of the placed robot from everything, `at_most` where it is not less.
@@ -410,10 +442,10 @@ class SphereChecker final : public Checker {
       const double enough = std::max(least, certain + by);
       if (const double found = distance_of(b, enough); found < enough) note(found, by);
     }
-    for (const auto& [a, b] : model_.pairs()) {
-      const double by = moved != nullptr ? (*moved)[a] + (*moved)[b] : 0.0;
+    for (const auto& pair : model_.pairs()) {
+      const double by = moved != nullptr ? displacement_of(pair, *moved) : 0.0;
       const double enough = std::max(least, certain + by);
-      if (const double found = gap(a, b, enough); found < enough) note(found, by);
+      if (const double found = gap(pair, enough); found < enough) note(found, by);
     }
     if (sure != nullptr) *sure = certain;
     return least;
@@ -428,9 +460,14 @@ class SphereChecker final : public Checker {
       if (margin_of(b) <= by || distance_of(b, std::nextafter(by, 2.0 * by)) <= by) return false;
     }
     return std::all_of(model_.pairs().begin(), model_.pairs().end(), [&](const auto& pair) {
-      const double by = margin + moved[pair.first] + moved[pair.second];
-      return gap(pair.first, pair.second, std::nextafter(by, 2.0 * by)) > by;
+      const double by = margin + displacement_of(pair, moved);
+      return gap(pair, std::nextafter(by, 2.0 * by)) > by;
     });
+  }
+  /// How far the bodies of a pair move together.
+  [[nodiscard]] double displacement_of(const std::pair<std::size_t, std::size_t>& pair,
+                                       const std::vector<double>& moved) const {
+    return moved[model_.parts()[pair.first].body] + moved[model_.parts()[pair.second].body];
   }
 
   /// The distances on a motion.
@@ -457,7 +494,8 @@ class SphereChecker final : public Checker {
       for (std::size_t p = 0; p < pair_bend_.size(); ++p) {
         const auto& [first, second] = checker.model_.pairs()[p];
         const auto& [own, other] = checker.shared_->unshared()[p];
-        pair_bend_[p] = checker.shared_->bend(first, own, change_) + checker.shared_->bend(second, other, change_);
+        pair_bend_[p] = checker.shared_->bend(checker.model_.parts()[first].body, own, change_) +
+                        checker.shared_->bend(checker.model_.parts()[second].body, other, change_);
       }
       part_change_.resize(change_.size());
       part_bend_.resize(bend_.size());
@@ -488,7 +526,7 @@ class SphereChecker final : public Checker {
       scene.cloud_lanes = first_lanes(shares.size());
       const unsigned near = checker_.kernel_.approach_chain(
           checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()), checker_.frames3_.data(),
-          checker_.rates_.data(), scene, motion, checker_.centres_.data(), checker_.candidates_.data());
+          checker_.rates_.data(), scene, motion, checker_.centres_.data(), checker_.scratch_.data());
       return ~near & ((1U << shares.size()) - 1U);
     }
     [[nodiscard]] std::optional<double> measured_from() const override {
@@ -546,7 +584,7 @@ class SphereChecker final : public Checker {
         checker_.kernel_.measure_chain(checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()),
                                        checker_.frames3_.data(), checker_.rates_.data(),
                                        checker_.shared_->kernel_scene(), part(), checker_.centres_.data(),
-                                       checker_.candidates_.data(), least_, sure_);
+                                       checker_.scratch_.data(), least_, sure_);
         measured_ = true;
       }
       const auto lane = static_cast<std::size_t>(found - shares_.begin());
@@ -592,8 +630,10 @@ class SphereChecker final : public Checker {
   double slack_;
   std::shared_ptr<const SphereScene> shared_;
   const SolidObstacles* obstacles_;
-  std::vector<std::size_t> solid_;  ///< bodies with balls
-  bool batched_ = false;            ///< whether the kernels decide
+  std::vector<std::size_t> solid_;                                 ///< bodies with balls
+  bool batched_ = false;                                           ///< whether the kernels decide
+  double standing_gap_ = std::numeric_limits<double>::infinity();  ///< of links that do not move against each other
+  bool stands_in_contact_ = false;                                 ///< such links touch: no configuration is valid
   const kernel::Table& kernel_ = kernel::best();
   // Scratch.
   mutable Configuration q_;
@@ -604,7 +644,7 @@ class SphereChecker final : public Checker {
   mutable std::vector<kernel::Lanes> frames3_;
   mutable std::vector<kernel::Lanes> rates_;
   mutable std::vector<kernel::Lanes> centres_;
-  mutable std::vector<unsigned> candidates_;
+  mutable std::vector<unsigned> scratch_;
   mutable std::optional<ConfigurationMemory> one_;
   mutable Habit end_decides_;
   mutable Habit second_decides_;                   ///< of the motions whose ends are valid

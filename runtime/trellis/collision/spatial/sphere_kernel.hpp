@@ -40,6 +40,7 @@ struct ChainBody {
   const Lanes* ball_blocks = nullptr;
   /// Of each block: the radius of a ball about the centre of its first one that contains all.
   const double* block_radii = nullptr;
+  const unsigned* block_begin = nullptr;  ///< of each block its first ball in `balls`; then the number of all
   unsigned block_count = 0;
   unsigned first_block = 0;  ///< of its blocks among those of all bodies
   /// The solids that it can touch, from `reached_begin` to `reached_end` in Scene3::reached.
@@ -79,6 +80,15 @@ struct Cloud3 {
   double radius = 0.0;
 };
 
+/// Balls of a body that are compared with those of another body.
+struct BallPart {
+  unsigned body = 0;
+  bool all = true;           ///< they are all balls of the body
+  Ball whole = {};           ///< contains them
+  unsigned first_block = 0;  ///< among the blocks of the body
+  unsigned end_block = 0;
+};
+
 /// What a manipulator must not touch.
 struct Scene3 {
   const Solid3* solids = nullptr;
@@ -89,7 +99,8 @@ struct Scene3 {
   unsigned cloud_count = 0;
   unsigned cloud_lanes = 0xff;        ///< clouds are compared in these lanes
   const unsigned* reached = nullptr;  ///< solids, see ChainBody
-  const unsigned* pairs = nullptr;    ///< two bodies each
+  const BallPart* parts = nullptr;
+  const unsigned* pairs = nullptr;  ///< two parts each, of different bodies; those of two bodies follow each other
   unsigned pair_count = 0;
   bool bounded = false;  ///< whether the balls must lie within lo and hi
   double lo[3] = {};     // NOLINT

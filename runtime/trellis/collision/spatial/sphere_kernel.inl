@@ -121,14 +121,97 @@ inline M ball_meets(const V3& c, const V& radius, const Solid& solid) {
   return core_distance(c, solid).within(radius);
 }
 
-/// Computes the centres of a body's balls, but for the first one, where they are not known.
-inline void place_balls(const ChainBody& body, const Lanes* frame, Lanes* own, unsigned& placed) {
-  if (placed != 0) return;
-  placed = 1;
-  for (unsigned i = 1; i < body.ball_count; ++i) {
-    store(own + 3UL * i, at(frame, body.balls[i].x, body.balls[i].y, body.balls[i].z));
+/// The balls of a body in eight configurations. Their centres are computed where they are needed, a block at a time.
+struct PlacedBody {
+  const ChainBody& body;
+  const Lanes* frame;
+  Lanes* centres;
+  unsigned* placed;  ///< of each block: 0; 1 where its first ball is placed; 2 where all are
+
+  PlacedBody(const ChainBody* bodies, unsigned b, const Lanes* frames, const Scene3& scene, Lanes* all,
+             unsigned* scratch)
+      : body(bodies[b]),
+        frame(frames + 12UL * b),
+        centres(all + 3UL * body.first_centre),
+        placed(scratch + 2UL * scene.solid_count + body.first_block) {}
+
+  /// Computes the centre of the ball about the body, and forgets the others.
+  V3 begin() {
+    for (unsigned k = 0; k < body.block_count; ++k) placed[k] = 0;
+    return place(0);
   }
-}
+  [[nodiscard]] V3 whole() const { return load(centres); }
+  [[nodiscard]] V3 centre(unsigned ball) const { return load(centres + 3UL * ball); }
+  [[nodiscard]] double radius(unsigned ball) const { return body.balls[ball].radius; }
+  [[nodiscard]] unsigned first(unsigned block) const { return body.block_begin[block]; }
+  [[nodiscard]] unsigned end(unsigned block) const { return body.block_begin[block + 1]; }
+  /// The radius of the ball about the first one's centre that contains a block.
+  [[nodiscard]] double block_radius(unsigned block) const { return body.block_radii[block]; }
+  /// The centre of a block's first ball.
+  V3 block(unsigned k) {
+    if (placed[k] != 0) return centre(first(k));
+    placed[k] = 1;
+    return place(first(k));
+  }
+  /// Computes the centres of a block's balls.
+  void fill(unsigned k) {
+    if (placed[k] == 2) return;
+    for (unsigned i = first(k) + (placed[k] == 1 ? 1 : 0); i < end(k); ++i) place(i);
+    placed[k] = 2;
+  }
+  void fill_all() {
+    for (unsigned k = 0; k < body.block_count; ++k) fill(k);
+  }
+
+ private:
+  V3 place(unsigned ball) {
+    const Ball& of = body.balls[ball];
+    const V3 c = at(frame, of.x, of.y, of.z);
+    store(centres + 3UL * ball, c);
+    return c;
+  }
+};
+
+/// Two parts that are compared with each other.
+struct PairOfParts {
+  const BallPart& first;
+  const BallPart& second;
+
+  PairOfParts(const Scene3& scene, unsigned pair)
+      : first(scene.parts[scene.pairs[2UL * pair]]), second(scene.parts[scene.pairs[2UL * pair + 1]]) {}
+
+  /// Whether both parts are of the same bodies as the pair before.
+  [[nodiscard]] bool same_bodies(const Scene3& scene, unsigned pair) const {
+    return pair > 0 && scene.parts[scene.pairs[2UL * pair - 2]].body == first.body &&
+           scene.parts[scene.pairs[2UL * pair - 1]].body == second.body;
+  }
+  /// Whether the parts are their bodies.
+  [[nodiscard]] bool all() const { return first.all && second.all; }
+  /// Calls a function for each pair of blocks that may be near each other, whose balls are placed: of the first block,
+  /// of the second one, and with the centre and the radius of a ball that contains the second one.
+  /// \param other  the centre of the ball about the second part
+  /// \param near   whether balls about two points, the first of `one` and the second of `two`, may be near each other
+  template <class Near, class Body>
+  void each(PlacedBody& one, PlacedBody& two, const V3& other, const Near& near, const Body& call) const {
+    const bool many = first.end_block - first.first_block > 1;
+    const bool many_others = second.end_block - second.first_block > 1;
+    for (unsigned k = first.first_block; k < first.end_block; ++k) {
+      if (many && !near(one.block(k), one.block_radius(k), other, second.whole.radius)) continue;
+      one.fill(k);
+      for (unsigned l = second.first_block; l < second.end_block; ++l) {
+        const V3 centre = many_others ? two.block(l) : other;
+        const double radius = many_others ? two.block_radius(l) : second.whole.radius;
+        if (many && many_others && !near(one.block(k), one.block_radius(k), centre, radius)) continue;
+        two.fill(l);
+        call(k, l, centre, radius);
+      }
+    }
+  }
+  /// The centre of the ball about a part.
+  static V3 whole(const BallPart& part, const PlacedBody& body) {
+    return part.all ? body.whole() : at(body.frame, part.whole.x, part.whole.y, part.whole.z);
+  }
+};
 
 /// Whether a ball lies within the bounds in all lanes.
 inline bool inside_bounds(const V3& c, double radius, const Scene3& scene) {
@@ -138,28 +221,41 @@ inline bool inside_bounds(const V3& c, double radius, const Scene3& scene) {
   return bits(within(c.x, 0) & within(c.y, 1) & within(c.z, 2)) == 0xffU;
 }
 
+/// The solids near a block, of those near its body: all where the body is one block.
+/// \param near  whether a ball about a point may meet a solid
+/// \return their number; they are written to `to`
+template <class Near>
+inline unsigned near_block(PlacedBody& body, unsigned block, const unsigned* candidates, unsigned count, unsigned* to,
+                           const Near& near) {
+  unsigned some = 0;
+  const bool only = body.body.block_count == 1;
+  const V3 c = only ? body.whole() : body.block(block);
+  for (unsigned n = 0; n < count; ++n) {
+    if (only || near(c, body.block_radius(block), candidates[n])) to[some++] = candidates[n];
+  }
+  return some;
+}
+
 unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames, const Scene3& scene, Lanes* centres,
-                    unsigned* candidates) {
+                    unsigned* scratch) {
   unsigned hit = 0;
   const auto decided = [&] { return (hit & 1U) != 0; };
   // Lanes after the first that touches something need no answer.
   const auto cloud_lanes = [&] { return scene.cloud_lanes & ((hit & (0U - hit)) - 1U); };
   const double slack = scene.slack;
-  unsigned* const placed = candidates + scene.solid_count;
+  unsigned* const candidates = scratch;
+  unsigned* const of_block = scratch + scene.solid_count;
   // Contact is likelier far from the base.
   for (unsigned b = count; b-- > 0;) {
     const ChainBody& body = bodies[b];
     if (body.ball_count == 0) continue;
-    const Lanes* frame = frames + 12UL * b;
-    Lanes* own = centres + 3UL * body.first_centre;
-    const V3 whole = at(frame, body.balls[0].x, body.balls[0].y, body.balls[0].z);
-    store(own, whole);
-    placed[b] = 0;
+    PlacedBody own(bodies, b, frames, scene, centres, scratch);
+    const V3 whole = own.begin();
     if (scene.bounded && !inside_bounds(whole, body.balls[0].radius, scene)) {
-      place_balls(body, frame, own, placed[b]);
+      own.fill_all();
       M inside = spread(0.0) <= spread(1.0);
       for (unsigned i = 1; i < body.ball_count; ++i) {
-        const V3 c = load(own + 3UL * i);
+        const V3 c = own.centre(i);
         const double r = body.balls[i].radius - slack;
         inside = inside & (spread(scene.lo[0] + r) < c.x) & (c.x < spread(scene.hi[0] - r)) &
                  (spread(scene.lo[1] + r) < c.y) & (c.y < spread(scene.hi[1] - r)) & (spread(scene.lo[2] + r) < c.z) &
@@ -178,52 +274,64 @@ unsigned meet_chain(const ChainBody* bodies, unsigned count, const Lanes* frames
       if (bits(((dx * dx + dy * dy) + dz * dz) <= spread(reach * reach)) == 0) continue;
       if (bits(ball_meets(whole, spread(body.balls[0].radius + slack), OneSolid{solid})) != 0) candidates[near++] = s;
     }
-    if (near > 0) place_balls(body, frame, own, placed[b]);
-    for (unsigned i = 1; i < body.ball_count && near > 0; ++i) {
-      const V3 c = load(own + 3UL * i);
-      for (unsigned k = 0; k < near; ++k) {
-        hit |= bits(ball_meets(c, spread(body.balls[i].radius + slack), OneSolid{scene.solids[candidates[k]]}));
+    for (unsigned k = 0; k < body.block_count && near > 0; ++k) {
+      const unsigned some = near_block(own, k, candidates, near, of_block, [&](const V3& c, double radius, unsigned s) {
+        return bits(ball_meets(c, spread(radius + slack), OneSolid{scene.solids[s]})) != 0;
+      });
+      if (some == 0) continue;
+      own.fill(k);
+      for (unsigned i = own.first(k); i < own.end(k); ++i) {
+        const V3 c = own.centre(i);
+        const V radius = spread(own.radius(i) + slack);
+        for (unsigned n = 0; n < some; ++n) hit |= bits(ball_meets(c, radius, OneSolid{scene.solids[of_block[n]]}));
+        if (decided()) return hit;
       }
-      if (decided()) return hit;
     }
     for (unsigned k = 0; k < scene.cloud_count; ++k) {
       const Cloud3& cloud = scene.clouds[k];
       const unsigned whole_near =
           near_cloud(whole, spread(body.balls[0].radius + slack + cloud.radius), cloud, cloud_lanes());
       if (whole_near == 0) continue;
-      place_balls(body, frame, own, placed[b]);
+      own.fill_all();
       for (unsigned i = 1; i < body.ball_count; ++i) {
-        hit |= meets_cloud(load(own + 3UL * i), body.balls[i].radius + slack, cloud, whole_near & cloud_lanes());
+        hit |= meets_cloud(own.centre(i), own.radius(i) + slack, cloud, whole_near & cloud_lanes());
         if (decided()) return hit;
       }
     }
     if (decided()) return hit;
   }
+  bool near = false;
   for (unsigned p = 0; p < scene.pair_count; ++p) {
-    const ChainBody& first = bodies[scene.pairs[2UL * p]];
-    const ChainBody& second = bodies[scene.pairs[2UL * p + 1]];
-    if (first.ball_count == 0 || second.ball_count == 0) continue;
-    const Lanes* one = centres + 3UL * first.first_centre;
-    const Lanes* two = centres + 3UL * second.first_centre;
+    const PairOfParts pair(scene, p);
+    PlacedBody one(bodies, pair.first.body, frames, scene, centres, scratch);
+    PlacedBody two(bodies, pair.second.body, frames, scene, centres, scratch);
     const auto meets = [&](const V3& a, const V3& b, double reach) {
       const V dx = a.x - b.x;
       const V dy = a.y - b.y;
       const V dz = a.z - b.z;
       return bits(((dx * dx + dy * dy) + dz * dz) <= spread(reach * reach));
     };
-    const V3 other = load(two);
-    if (meets(load(one), other, first.balls[0].radius + second.balls[0].radius + slack) == 0) continue;
-    const unsigned a = scene.pairs[2UL * p];
-    const unsigned b = scene.pairs[2UL * p + 1];
-    place_balls(first, frames + 12UL * a, centres + 3UL * first.first_centre, placed[a]);
-    place_balls(second, frames + 12UL * b, centres + 3UL * second.first_centre, placed[b]);
-    for (unsigned i = 1; i < first.ball_count; ++i) {
-      const V3 c = load(one + 3UL * i);
-      if (meets(c, other, first.balls[i].radius + second.balls[0].radius + slack) == 0) continue;
-      for (unsigned j = 1; j < second.ball_count; ++j) {
-        hit |= meets(c, load(two + 3UL * j), first.balls[i].radius + second.balls[j].radius + slack);
-      }
+    if (!pair.same_bodies(scene, p)) {
+      near = meets(one.whole(), two.whole(), one.radius(0) + two.radius(0) + slack) != 0;
     }
+    if (!near) continue;
+    const V3 other = PairOfParts::whole(pair.second, two);
+    if (!pair.all() && meets(PairOfParts::whole(pair.first, one), other,
+                             pair.first.whole.radius + pair.second.whole.radius + slack) == 0) {
+      continue;
+    }
+    const auto near_balls = [&](const V3& a, double radius, const V3& b, double other_radius) {
+      return meets(a, b, radius + other_radius + slack) != 0;
+    };
+    pair.each(one, two, other, near_balls, [&](unsigned k, unsigned l, const V3& block, double block_radius) {
+      for (unsigned i = one.first(k); i < one.end(k); ++i) {
+        const V3 c = one.centre(i);
+        if (meets(c, block, one.radius(i) + block_radius + slack) == 0) continue;
+        for (unsigned j = two.first(l); j < two.end(l); ++j) {
+          hit |= meets(c, two.centre(j), one.radius(i) + two.radius(j) + slack);
+        }
+      }
+    });
     if (decided()) return hit;
   }
   return hit;
@@ -343,24 +451,22 @@ inline V longest_step_from(const Rate& viewer, const Rate& body, const V3& centr
 }
 
 unsigned approach_chain(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
-                        const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* candidates) {
+                        const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* scratch) {
   unsigned hit = 0;
-  unsigned* const placed = candidates + scene.solid_count;
+  unsigned* const candidates = scratch;
+  unsigned* const of_block = scratch + scene.solid_count;
   for (unsigned b = count; b-- > 0;) {
     const ChainBody& body = bodies[b];
     if (body.ball_count == 0) continue;
     const Rate rate = rate_of(frames, rates, b);
     const double slack = scene.slack + motion.bend[b];
-    const Lanes* frame = frames + 12UL * b;
-    Lanes* own = centres + 3UL * body.first_centre;
-    const V3 whole = at(frame, body.balls[0].x, body.balls[0].y, body.balls[0].z);
-    store(own, whole);
-    placed[b] = 0;
+    PlacedBody own(bodies, b, frames, scene, centres, scratch);
+    const V3 whole = own.begin();
     if (scene.bounded) {
-      place_balls(body, frame, own, placed[b]);
+      own.fill_all();
       M inside = spread(0.0) <= spread(1.0);
       for (unsigned i = 1; i < body.ball_count; ++i) {
-        const V3 c = load(own + 3UL * i);
+        const V3 c = own.centre(i);
         const V3 step = rate.at(c);
         const V r = spread(body.balls[i].radius + slack);
         const V x = r + abs(step.x);
@@ -372,83 +478,100 @@ unsigned approach_chain(const ChainBody* bodies, unsigned count, const Lanes* fr
       }
       hit |= ~bits(inside) & 0xffU;
     }
+    /// Whether balls that follow a ball may come near a solid.
+    const auto near_solid = [&](const V3& c, const V& reach, unsigned s) {
+      const Placement place = placement(c, scene.solids[s]);
+      const V far = reach + spread(place.round);
+      return bits(place.squared <= far * far) != 0;
+    };
     const V moved = longest_step(rate, whole, body.balls[0].radius);
+    const V ball = spread(body.balls[0].radius + slack) + moved;
     unsigned near = 0;
     for (unsigned s = 0; s < scene.solid_count; ++s) {
       const Solid3& solid = scene.solids[s];
-      const V ball = spread(body.balls[0].radius + slack) + moved;
       const V reach = ball + spread(solid.far);
       const V3 d{whole.x - spread(solid.x), whole.y - spread(solid.y), whole.z - spread(solid.z)};
       if (bits(dot(d, d) <= reach * reach) == 0) continue;
-      const Placement place = placement(whole, solid);
-      const V whole_reach = ball + spread(place.round);
-      if (bits(place.squared <= whole_reach * whole_reach) != 0) candidates[near++] = s;
+      if (near_solid(whole, ball, s)) candidates[near++] = s;
     }
-    if (near > 0) place_balls(body, frame, own, placed[b]);
-    for (unsigned i = 1; i < body.ball_count && near > 0; ++i) {
-      const V3 c = load(own + 3UL * i);
-      const V3 step = rate.at(c);
-      const V by = length(step);
-      for (unsigned k = 0; k < near; ++k) {
-        hit |= approaches(c, step, by, body.balls[i].radius + slack, scene.solids[candidates[k]]);
+    for (unsigned k = 0; k < body.block_count && near > 0; ++k) {
+      const unsigned some = near_block(own, k, candidates, near, of_block, [&](const V3& c, double radius, unsigned s) {
+        return near_solid(c, spread(radius + slack) + longest_step(rate, c, radius), s);
+      });
+      if (some == 0) continue;
+      own.fill(k);
+      for (unsigned i = own.first(k); i < own.end(k); ++i) {
+        const V3 c = own.centre(i);
+        const V3 step = rate.at(c);
+        const V by = length(step);
+        for (unsigned n = 0; n < some; ++n) {
+          hit |= approaches(c, step, by, own.radius(i) + slack, scene.solids[of_block[n]]);
+        }
+        if (hit == 0xffU) return hit;
       }
-      if (hit == 0xffU) return hit;
     }
     for (unsigned k = 0; k < scene.cloud_count; ++k) {
       const Cloud3& cloud = scene.clouds[k];
       const unsigned asked = near_cloud(whole, spread(body.balls[0].radius + slack + cloud.radius) + moved, cloud,
                                         scene.cloud_lanes & ~hit);
       if (asked == 0) continue;
-      place_balls(body, frame, own, placed[b]);
+      own.fill_all();
       for (unsigned i = 1; i < body.ball_count; ++i) {
-        const V3 c = load(own + 3UL * i);
+        const V3 c = own.centre(i);
         const V3 step = rate.at(c);
         hit |= approaches_cloud(c, step, length(step), body.balls[i].radius + slack, cloud, asked & ~hit);
       }
       if (hit == 0xffU) return hit;
     }
   }
+  bool near = false;
   for (unsigned p = 0; p < scene.pair_count; ++p) {
-    const unsigned a = scene.pairs[2UL * p];
-    const unsigned b = scene.pairs[2UL * p + 1];
-    const ChainBody& first = bodies[a];
-    const ChainBody& second = bodies[b];
-    if (first.ball_count == 0 || second.ball_count == 0) continue;
+    const PairOfParts pair(scene, p);
+    PlacedBody one(bodies, pair.first.body, frames, scene, centres, scratch);
+    PlacedBody two(bodies, pair.second.body, frames, scene, centres, scratch);
     const double slack = scene.slack + motion.pair_bend[p];
-    const Lanes* one = centres + 3UL * first.first_centre;
-    const Lanes* two = centres + 3UL * second.first_centre;
-    const Rate rate = rate_of(frames, rates, a);
-    const Rate other_rate = rate_of(frames, rates, b);
-    const V3 other = load(two);
-    const V moved = longest_step_from(rate, other_rate, other, second.balls[0].radius);
-    const auto within = [&](const V3& c, double reach) {
+    const Rate rate = rate_of(frames, rates, pair.first.body);
+    const Rate other_rate = rate_of(frames, rates, pair.second.body);
+    const auto within = [](const V3& c, const V3& other, double reach, const V& moved) {
       const V3 d = c - other;
       const V far = spread(reach) + moved;
       return bits(dot(d, d) <= far * far) != 0;
     };
-    if (!within(load(one), first.balls[0].radius + second.balls[0].radius + slack)) continue;
-    place_balls(first, frames + 12UL * a, centres + 3UL * first.first_centre, placed[a]);
-    place_balls(second, frames + 12UL * b, centres + 3UL * second.first_centre, placed[b]);
-    for (unsigned i = 1; i < first.ball_count; ++i) {
-      const V3 c = load(one + 3UL * i);
-      if (!within(c, first.balls[i].radius + second.balls[0].radius + slack)) continue;
-      const V3 step = rate.at(c);
-      for (unsigned j = 1; j < second.ball_count; ++j) {
-        const V3 to = load(two + 3UL * j);
-        const V3 d = c - to;
-        const V squared = dot(d, d);
-        const V left = squared - abs(dot(d, step - other_rate.at(to)));
-        const double reach = first.balls[i].radius + second.balls[j].radius + slack;
-        hit |= bits((left <= spread(0.0)) | (left * left <= spread(reach * reach) * squared));
-      }
+    const auto near_balls = [&](const V3& a, double radius, const V3& b, double other_radius) {
+      return within(a, b, radius + other_radius + slack, longest_step_from(rate, other_rate, b, other_radius));
+    };
+    if (!pair.same_bodies(scene, p)) {
+      near = near_balls(one.whole(), one.radius(0), two.whole(), two.radius(0));
     }
+    if (!near) continue;
+    const V3 other = PairOfParts::whole(pair.second, two);
+    if (!pair.all() && !near_balls(PairOfParts::whole(pair.first, one), pair.first.whole.radius, other,
+                                   pair.second.whole.radius)) {
+      continue;
+    }
+    pair.each(one, two, other, near_balls, [&](unsigned k, unsigned l, const V3& block, double block_radius) {
+      const V moved = longest_step_from(rate, other_rate, block, block_radius);
+      for (unsigned i = one.first(k); i < one.end(k); ++i) {
+        const V3 c = one.centre(i);
+        if (!within(c, block, one.radius(i) + block_radius + slack, moved)) continue;
+        const V3 step = rate.at(c);
+        for (unsigned j = two.first(l); j < two.end(l); ++j) {
+          const V3 to = two.centre(j);
+          const V3 d = c - to;
+          const V squared = dot(d, d);
+          const V left = squared - abs(dot(d, step - other_rate.at(to)));
+          const double reach = one.radius(i) + two.radius(j) + slack;
+          hit |= bits((left <= spread(0.0)) | (left * left <= spread(reach * reach) * squared));
+        }
+      }
+    });
     if (hit == 0xffU) return hit;
   }
   return hit;
 }
 
 void measure_chain(const ChainBody* bodies, unsigned count, const Lanes* frames, const Lanes* rates,
-                   const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* placed, Lanes& least_out,
+                   const Scene3& scene, const ChainMotion& motion, Lanes* centres, unsigned* scratch, Lanes& least_out,
                    Lanes& sure_out) {
   V least = load(least_out.v);
   V sure = load(sure_out.v);
@@ -467,14 +590,11 @@ void measure_chain(const ChainBody* bodies, unsigned count, const Lanes* frames,
     if (body.ball_count == 0) continue;
     const Rate rate = rate_of(frames, rates, b);
     const double bend = motion.bend[b];
-    const Lanes* frame = frames + 12UL * b;
-    Lanes* own = centres + 3UL * body.first_centre;
-    const V3 whole = at(frame, body.balls[0].x, body.balls[0].y, body.balls[0].z);
-    store(own, whole);
-    placed[b] = 0;
-    if (scene.bounded) place_balls(body, frame, own, placed[b]);
+    PlacedBody own(bodies, b, frames, scene, centres, scratch);
+    const V3 whole = own.begin();
+    if (scene.bounded) own.fill_all();
     for (unsigned i = 1; i < body.ball_count && scene.bounded; ++i) {
-      const V3 c = load(own + 3UL * i);
+      const V3 c = own.centre(i);
       const V3 step = rate.at(c);
       const V r = spread(body.balls[i].radius);
       note(min(c.x - spread(scene.lo[0]), spread(scene.hi[0]) - c.x) - r, abs(step.x), bend);
@@ -482,67 +602,85 @@ void measure_chain(const ChainBody* bodies, unsigned count, const Lanes* frames,
       note(min(c.z - spread(scene.lo[2]), spread(scene.hi[2]) - c.z) - r, abs(step.z), bend);
     }
     const V moved = longest_step(rate, whole, body.balls[0].radius);
+    /// Whether balls that are within a ball say nothing more.
+    const auto farther = [&](const V3& c, double radius, const V& by, const Solid3& solid) {
+      const Placement about = placement(c, solid);
+      return enough(root(about.squared) - spread(about.round + radius), by, bend);
+    };
     for (unsigned s = 0; s < scene.solid_count; ++s) {
       const Solid3& solid = scene.solids[s];
-      const Placement about = placement(whole, solid);
-      if (enough(root(about.squared) - spread(about.round + body.balls[0].radius), moved, bend)) continue;
-      place_balls(body, frame, own, placed[b]);
-      for (unsigned i = 1; i < body.ball_count; ++i) {
-        const V3 c = load(own + 3UL * i);
-        const Placement place = placement(c, solid);
-        const V distance = root(place.squared);
-        V scale = distance;
-        const V change = abs(toward(place, rate.at(c), solid, scale));
-        note(distance - spread(place.round + body.balls[i].radius), change / max(scale * distance, tiny), bend);
+      if (farther(whole, body.balls[0].radius, moved, solid)) continue;
+      for (unsigned k = 0; k < body.block_count; ++k) {
+        if (body.block_count > 1) {
+          const V3 c = own.block(k);
+          const double radius = own.block_radius(k);
+          if (farther(c, radius, longest_step(rate, c, radius), solid)) continue;
+        }
+        own.fill(k);
+        for (unsigned i = own.first(k); i < own.end(k); ++i) {
+          const V3 c = own.centre(i);
+          const Placement place = placement(c, solid);
+          const V distance = root(place.squared);
+          V scale = distance;
+          const V change = abs(toward(place, rate.at(c), solid, scale));
+          note(distance - spread(place.round + own.radius(i)), change / max(scale * distance, tiny), bend);
+        }
       }
     }
     for (unsigned k = 0; k < scene.cloud_count; ++k) {
       const Cloud3& cloud = scene.clouds[k];
       const V reach = max(least, (sure + moved) + spread(bend)) + spread(body.balls[0].radius + cloud.radius);
       if (near_cloud(whole, reach, cloud, 0xffU) == 0) continue;
-      place_balls(body, frame, own, placed[b]);
+      own.fill_all();
       Lanes lowest, certain;
       store(lowest.v, least);
       store(certain.v, sure);
       for (unsigned i = 1; i < body.ball_count; ++i) {
-        const V3 c = load(own + 3UL * i);
+        const V3 c = own.centre(i);
         measure_cloud(c, rate.at(c), body.balls[i].radius, bend, cloud, lowest, certain);
       }
       least = load(lowest.v);
       sure = load(certain.v);
     }
   }
+  bool near = false;
   for (unsigned p = 0; p < scene.pair_count; ++p) {
-    const unsigned a = scene.pairs[2UL * p];
-    const unsigned b = scene.pairs[2UL * p + 1];
-    const ChainBody& first = bodies[a];
-    const ChainBody& second = bodies[b];
-    if (first.ball_count == 0 || second.ball_count == 0) continue;
+    const PairOfParts pair(scene, p);
+    PlacedBody one(bodies, pair.first.body, frames, scene, centres, scratch);
+    PlacedBody two(bodies, pair.second.body, frames, scene, centres, scratch);
     const double bend = motion.pair_bend[p];
-    const Lanes* one = centres + 3UL * first.first_centre;
-    const Lanes* two = centres + 3UL * second.first_centre;
-    const Rate rate = rate_of(frames, rates, a);
-    const Rate other_rate = rate_of(frames, rates, b);
-    const V3 other = load(two);
-    const V moved = longest_step_from(rate, other_rate, other, second.balls[0].radius);
-    const auto farther = [&](const V3& c, double radius) {
-      return enough(length(c - other) - spread(radius + second.balls[0].radius), moved, bend);
+    const Rate rate = rate_of(frames, rates, pair.first.body);
+    const Rate other_rate = rate_of(frames, rates, pair.second.body);
+    const auto farther = [&](const V3& c, const V3& other, double reach, const V& by) {
+      return enough(length(c - other) - spread(reach), by, bend);
     };
-    if (farther(load(one), first.balls[0].radius)) continue;
-    place_balls(first, frames + 12UL * a, centres + 3UL * first.first_centre, placed[a]);
-    place_balls(second, frames + 12UL * b, centres + 3UL * second.first_centre, placed[b]);
-    for (unsigned i = 1; i < first.ball_count; ++i) {
-      const V3 c = load(one + 3UL * i);
-      if (farther(c, first.balls[i].radius)) continue;
-      const V3 step = rate.at(c);
-      for (unsigned j = 1; j < second.ball_count; ++j) {
-        const V3 to = load(two + 3UL * j);
-        const V3 d = c - to;
-        const V distance = length(d);
-        const V change = abs(dot(d, step - other_rate.at(to)));
-        note(distance - spread(first.balls[i].radius + second.balls[j].radius), change / max(distance, tiny), bend);
-      }
+    const auto near_balls = [&](const V3& a, double radius, const V3& b, double other_radius) {
+      return !farther(a, b, radius + other_radius, longest_step_from(rate, other_rate, b, other_radius));
+    };
+    if (!pair.same_bodies(scene, p)) {
+      near = near_balls(one.whole(), one.radius(0), two.whole(), two.radius(0));
     }
+    if (!near) continue;
+    const V3 other = PairOfParts::whole(pair.second, two);
+    if (!pair.all() && !near_balls(PairOfParts::whole(pair.first, one), pair.first.whole.radius, other,
+                                   pair.second.whole.radius)) {
+      continue;
+    }
+    pair.each(one, two, other, near_balls, [&](unsigned k, unsigned l, const V3& block, double block_radius) {
+      const V by = longest_step_from(rate, other_rate, block, block_radius);
+      for (unsigned i = one.first(k); i < one.end(k); ++i) {
+        const V3 c = one.centre(i);
+        if (farther(c, block, one.radius(i) + block_radius, by)) continue;
+        const V3 step = rate.at(c);
+        for (unsigned j = two.first(l); j < two.end(l); ++j) {
+          const V3 to = two.centre(j);
+          const V3 d = c - to;
+          const V distance = length(d);
+          const V change = abs(dot(d, step - other_rate.at(to)));
+          note(distance - spread(one.radius(i) + two.radius(j)), change / max(distance, tiny), bend);
+        }
+      }
+    });
   }
   store(least_out.v, least);
   store(sure_out.v, sure);

@@ -81,18 +81,18 @@ std::shared_ptr<const SolidObstacles> obstacles_in(const World3& world) {
   });
 }
 
-/// A ball about the others of a body, nearly as small as possible: moves the first one's centre to the farthest ball,
-/// by less each time (Badoiu and Clarkson 2003).
-BodySphere enclosing(const std::vector<BodySphere>& balls) {
-  BodySphere best = balls.front();
+/// A ball about others, nearly as small as possible: moves the centre to the farthest ball, by less each time (Badoiu
+/// and Clarkson 2003).
+/// \param best  contains them
+BodySphere enclosing(std::span<const BodySphere> balls, BodySphere best) {
   Vec3 centre = best.centre;
   constexpr int steps = 64;
   for (int k = 0; k < steps; ++k) {
     double far = 0.0;
     const BodySphere* farthest = nullptr;
-    for (std::size_t i = 1; i < balls.size(); ++i) {
-      const double distance = norm(balls[i].centre - centre) + balls[i].radius;
-      if (distance > far) far = distance, farthest = &balls[i];
+    for (const BodySphere& ball : balls) {
+      const double distance = norm(ball.centre - centre) + ball.radius;
+      if (distance > far) far = distance, farthest = &ball;
     }
     if (far < best.radius) best = {centre, far};
     if (farthest == nullptr) break;
@@ -140,13 +140,16 @@ double put_central_first(std::span<kernel::Ball> balls) {
   return radius;
 }
 
-/// Adds the balls of a body, of which the first one contains the others, eight that are near each other to a block.
-void add_blocks(std::vector<kernel::Ball> balls, KernelBalls& to) {
+/// Adds balls of a body, eight that are near each other to a block.
+/// \param first  the number of the first one among the balls of the body
+void add_blocks(std::vector<kernel::Ball> balls, std::size_t first, KernelBalls& to) {
   group(balls);
   for (std::size_t begin = 0; begin < balls.size(); begin += kernel::lanes) {
     const std::size_t count = std::min<std::size_t>(kernel::lanes, balls.size() - begin);
     const std::span<kernel::Ball> own = std::span(balls).subspan(begin, count);
     to.radii.push_back(put_central_first(own));
+    to.block_begin.push_back(static_cast<unsigned>(first + begin));
+    to.balls.insert(to.balls.end(), own.begin(), own.end());
     to.blocks.resize(to.blocks.size() + 4);
     kernel::Lanes* block = &to.blocks[to.blocks.size() - 4];
     for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
@@ -160,40 +163,66 @@ void add_blocks(std::vector<kernel::Ball> balls, KernelBalls& to) {
 }
 
 using Balls = std::vector<std::vector<BodySphere>>;
+using Parts = std::vector<SphereModel::Part>;
 
-KernelBalls make_balls(const Balls& bodies) {
+KernelBalls make_balls(const Balls& bodies, const Parts& parts) {
   KernelBalls made;
-  for (const std::vector<BodySphere>& balls : bodies) {
-    made.first_block.push_back(static_cast<unsigned>(made.radii.size()));
+  const auto ball_of = [](const BodySphere& ball) {
+    return kernel::Ball{ball.centre.x, ball.centre.y, ball.centre.z, ball.radius};
+  };
+  auto part = parts.begin();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::vector<BodySphere>& balls = bodies[b];
+    const auto first_block = static_cast<unsigned>(made.radii.size());
+    made.first_block.push_back(first_block);
     if (balls.empty()) continue;
-    const std::size_t begin = made.balls.size();
-    const auto add = [&](const BodySphere& ball) {
-      made.balls.push_back({ball.centre.x, ball.centre.y, ball.centre.z, ball.radius});
-    };
-    add(enclosing(balls));
-    std::for_each(balls.begin() + 1, balls.end(), add);
-    add_blocks({made.balls.begin() + static_cast<std::ptrdiff_t>(begin) + 1, made.balls.end()}, made);
+    const std::span<const BodySphere> own = std::span(balls).subspan(1);
+    const kernel::Ball whole = ball_of(enclosing(own, balls.front()));
+    made.balls.push_back(whole);
+    for (; part != parts.end() && part->body == b; ++part) {
+      const std::span<const BodySphere> of_part = std::span(balls).subspan(part->begin, part->count());
+      kernel::BallPart& to = made.parts.emplace_back();
+      to.body = static_cast<unsigned>(b);
+      to.all = part->count() == own.size();
+      to.whole = to.all ? whole : ball_of(enclosing(of_part, part->whole));
+      to.first_block = static_cast<unsigned>(made.radii.size()) - first_block;
+      std::vector<kernel::Ball> copies;
+      for (const BodySphere& ball : of_part) copies.push_back(ball_of(ball));
+      add_blocks(std::move(copies), part->begin, made);
+      to.end_block = static_cast<unsigned>(made.radii.size()) - first_block;
+    }
+    made.block_begin.push_back(static_cast<unsigned>(balls.size()));
   }
   made.first_block.push_back(static_cast<unsigned>(made.radii.size()));
   return made;
 }
 
 /// Those of the last few robots are known: they cost more to make than an easy search.
-std::shared_ptr<const KernelBalls> balls_of(const Balls& bodies) {
+std::shared_ptr<const KernelBalls> balls_of(const Balls& bodies, const Parts& parts) {
   constexpr std::size_t most = 8;
+  struct Known {
+    Balls bodies;
+    Parts parts;
+    std::shared_ptr<const KernelBalls> made;
+  };
   static std::mutex mutex;
-  static std::vector<std::pair<Balls, std::shared_ptr<const KernelBalls>>> known;
+  static std::vector<Known> known;
   const auto same = [](const BodySphere& a, const BodySphere& b) {
     return a.centre.x == b.centre.x && a.centre.y == b.centre.y && a.centre.z == b.centre.z && a.radius == b.radius;
   };
+  const auto alike = [](const SphereModel::Part& a, const SphereModel::Part& b) {
+    return a.body == b.body && a.begin == b.begin && a.end == b.end;
+  };
   const std::scoped_lock lock(mutex);
-  for (const auto& [of, made] : known) {
-    if (std::ranges::equal(of, bodies, [&](const auto& a, const auto& b) { return std::ranges::equal(a, b, same); })) {
-      return made;
+  for (const Known& one : known) {
+    const auto equal_bodies = [&](const auto& a, const auto& b) { return std::ranges::equal(a, b, same); };
+    if (std::ranges::equal(one.parts, parts, alike) && std::ranges::equal(one.bodies, bodies, equal_bodies)) {
+      return one.made;
     }
   }
   if (known.size() == most) known.erase(known.begin());
-  return known.emplace_back(bodies, std::make_shared<const KernelBalls>(make_balls(bodies))).second;
+  known.push_back({bodies, parts, std::make_shared<const KernelBalls>(make_balls(bodies, parts))});
+  return known.back().made;
 }
 
 }  // namespace
@@ -243,7 +272,9 @@ void SphereScene::add_levers() {
       far += norm(model_.robot().bodies()[at].origin.position) + model_.robot().extension(at);
     }
   }
-  for (const auto& [a, b] : model_.pairs()) {
+  for (const auto& [first, second] : model_.pairs()) {
+    const std::size_t a = model_.parts()[first].body;
+    const std::size_t b = model_.parts()[second].body;
     std::size_t own = levers_[a].size();
     std::size_t other = levers_[b].size();
     while (own > 0 && other > 0 && levers_[a][own - 1].joint == levers_[b][other - 1].joint) {
@@ -293,8 +324,9 @@ void SphereScene::make_batches(const World3& world, double slack) {
     return body.kind == Joint::Kind::planar;
   });
   if (!batched_) return;
-  balls_ = balls_of(model_.bodies());
+  balls_ = balls_of(model_.bodies(), model_.parts());
   unsigned centres = 0;
+  unsigned bodies_with_balls = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Manipulator::Body& body = bodies[b];
     kernel::ChainBody& made = chain_.emplace_back();
@@ -322,6 +354,9 @@ void SphereScene::make_batches(const World3& world, double slack) {
     made.block_count = balls_->first_block[b + 1] - made.first_block;
     made.ball_blocks = balls_->blocks.data() + std::size_t{4} * made.first_block;
     made.block_radii = balls_->radii.data() + made.first_block;
+    // Each body with balls before it has one number more than blocks.
+    made.block_begin = balls_->block_begin.data() + made.first_block + bodies_with_balls;
+    if (made.ball_count > 0) ++bodies_with_balls;
   }
   for (const Primitive& primitive : obstacles_->primitives) {
     kernel::Solid3& made = solids_.emplace_back();
@@ -352,6 +387,7 @@ void SphereScene::make_batches(const World3& world, double slack) {
   scene_.clouds = clouds_.data();
   scene_.cloud_count = static_cast<unsigned>(clouds_.size());
   scene_.reached = reached_.data();
+  scene_.parts = balls_->parts.data();
   scene_.pairs = pairs_.data();
   scene_.pair_count = static_cast<unsigned>(model_.pairs().size());
   scene_.slack = slack;

@@ -105,10 +105,12 @@ struct Lever {
 
 /// A robot's balls as the kernels read them: kernel::ChainBody says what.
 struct KernelBalls {
-  std::vector<kernel::Ball> balls;    ///< those of each body after those of the body before it
+  std::vector<kernel::Ball> balls;    ///< those of each body after those of the body before it, by block
   std::vector<kernel::Lanes> blocks;  ///< four of each block
   std::vector<double> radii;          ///< of each block
   std::vector<unsigned> first_block;  ///< of each body; then the number of all
+  std::vector<unsigned> block_begin;  ///< of each body so many as it has blocks, and one more
+  std::vector<kernel::BallPart> parts;
 };
 
 /// What the checkers of a manipulator in a world share: it costs more to make than an easy search.
@@ -148,6 +150,8 @@ class SphereScene {
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return chain_; }
   [[nodiscard]] const kernel::Scene3& kernel_scene() const { return scene_; }
   [[nodiscard]] std::size_t ball_count() const { return balls_->balls.size(); }
+  /// The memory that kernels of eight configurations need: numbers of solids, twice, and one of each block.
+  [[nodiscard]] std::size_t scratch_count() const { return 2 * solids_.size() + block_count(); }
   /// Blocks of balls of all bodies.
   [[nodiscard]] std::size_t block_count() const { return balls_->radii.size(); }
 

@@ -45,6 +45,20 @@ BodySphere enclosing(const std::vector<BodySphere>& balls) {
   return all;
 }
 
+/// The distance of balls from others, of which each first one contains the others; `enough` where it is not less.
+double gap_between(const std::vector<BodySphere>& first, const std::vector<BodySphere>& second, double enough) {
+  const auto gap = [](const BodySphere& a, const BodySphere& b) {
+    return norm(a.centre - b.centre) - a.radius - b.radius;
+  };
+  double least = enough;
+  if (gap(first[0], second[0]) >= least) return least;
+  for (std::size_t i = 1; i < first.size(); ++i) {
+    if (gap(first[i], second[0]) >= least) continue;
+    for (std::size_t j = 1; j < second.size(); ++j) least = std::min(least, gap(first[i], second[j]));
+  }
+  return least;
+}
+
 Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
   const double squared = dot(along, along);
@@ -54,35 +68,185 @@ Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 }  // namespace
 
-SphereModel::SphereModel(Manipulator robot, Pairs may_touch)
-    : robot_(std::move(robot)), may_touch_(std::move(may_touch)), pairs_(self_collision_pairs(robot_, may_touch_)) {
-  for (const Manipulator::Body& body : robot_.bodies()) {
-    std::vector<BodySphere>& balls = bodies_.emplace_back();
-    for (const Solid& solid : body.solids) {
+std::vector<LinkBalls> link_balls(const KinematicTree& tree) {
+  std::vector<LinkBalls> all(tree.links().size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (const Solid& solid : tree.links()[i].solids) {
       if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
-        balls.push_back({solid.pose.position, sphere->radius});
+        all[i].push_back({solid.pose.position, sphere->radius});
       } else {
-        exact_ = false;
-        add_cover(solid, balls);
+        add_cover(solid, all[i]);
       }
     }
   }
+  return all;
+}
+
+SphereModel::Pairs neighbours(const KinematicTree& tree) {
+  SphereModel::Pairs pairs;
+  for (std::size_t a = 0; a < tree.links().size(); ++a) {
+    if (tree.links()[a].solids.empty()) continue;
+    // From the parent of the link on: the links without geometry beyond it connect it to others.
+    std::vector<std::pair<std::size_t, std::size_t>> open;  // a link, and the one that it was reached from
+    const auto pass = [&](std::size_t link, std::size_t from) {
+      if (const auto j = tree.joint_of(link); j && tree.joints()[*j].parent != from) {
+        open.emplace_back(tree.joints()[*j].parent, link);
+      }
+      for (const Joint& joint : tree.joints()) {
+        if (joint.parent == link && joint.child != from) open.emplace_back(joint.child, link);
+      }
+    };
+    pass(a, a);
+    while (!open.empty()) {
+      const auto [link, from] = open.back();
+      open.pop_back();
+      if (tree.links()[link].solids.empty()) {
+        pass(link, from);
+      } else if (a < link) {
+        pairs.emplace_back(a, link);
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+SphereModel::SphereModel(Manipulator robot, Pairs may_touch)
+    : SphereModel(robot, link_balls(robot.tree()), std::move(may_touch)) {}
+
+SphereModel::SphereModel(Manipulator robot, std::vector<LinkBalls> balls, Pairs may_touch)
+    : SphereModel(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot),
+                  std::move(may_touch)) {
+  const KinematicTree& tree = robot_.tree();
+  const Pairs beside = neighbours(tree);
+  Pairs all = std::move(may_touch_);
+  all.insert(all.end(), beside.begin(), beside.end());
+  for (std::size_t a = 0; a < tree.links().size(); ++a) {
+    if (tree.links()[a].solids.empty()) continue;
+    for (std::size_t b = a + 1; b < tree.links().size(); ++b) {
+      if (!tree.links()[b].solids.empty() && tree.fixed_together(a, b)) all.emplace_back(a, b);
+    }
+  }
+  permit(std::move(all));
+}
+
+SphereModel::SphereModel(std::shared_ptr<const std::vector<LinkBalls>> balls, Manipulator robot, Pairs may_touch)
+    : robot_(std::move(robot)), link_balls_(std::move(balls)) {
+  for (const Manipulator::Body& body : robot_.bodies()) {
+    exact_ = exact_ && std::all_of(body.solids.begin(), body.solids.end(),
+                                   [](const Solid& solid) { return std::holds_alternative<Sphere>(solid.shape); });
+  }
+  may_touch_ = std::move(may_touch);
+}
+
+SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies)
+    : robot_(std::move(robot)),
+      link_balls_(whole.link_balls_),
+      bodies_(std::move(bodies)),
+      may_touch_(whole.may_touch_),
+      base_(whole.base_),
+      exact_(whole.exact_),
+      covers_shapes_(false) {}
+
+void SphereModel::permit(Pairs may_touch) {
+  may_touch_ = std::move(may_touch);
+  for (auto& [a, b] : may_touch_) {
+    if (a > b) std::swap(a, b);
+  }
+  std::sort(may_touch_.begin(), may_touch_.end());
+  may_touch_.erase(std::unique(may_touch_.begin(), may_touch_.end()), may_touch_.end());
+  divide();
   enclose();
 }
 
-SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies,
-                         Pairs pairs)
-    : robot_(std::move(robot)),
-      bodies_(std::move(bodies)),
-      may_touch_(whole.may_touch_),
-      pairs_(std::move(pairs)),
-      base_(whole.base_),
-      exact_(whole.exact_),
-      covers_shapes_(false) {
-  for (auto& balls : bodies_) {
-    if (!balls.empty()) balls.erase(balls.begin());
+bool SphereModel::checked(std::size_t first_link, std::size_t second_link) const {
+  const auto [a, b] = std::minmax(first_link, second_link);
+  return a != b && !std::binary_search(may_touch_.begin(), may_touch_.end(), std::pair<std::size_t, std::size_t>(a, b));
+}
+
+void SphereModel::divide() {
+  const std::vector<LinkBalls>& balls = *link_balls_;
+  const std::size_t links = balls.size();
+  // For each link with balls the links of other bodies that it must not touch.
+  std::vector<std::vector<char>> apart(links);
+  for (std::size_t a = 0; a < links; ++a) {
+    if (balls[a].empty()) continue;
+    apart[a].resize(links, 0);
+    for (std::size_t b = 0; b < links; ++b) {
+      if (!balls[b].empty() && robot_.body_of(a) != robot_.body_of(b)) apart[a][b] = checked(a, b) ? 1 : 0;
+    }
   }
-  enclose();
+  bodies_.assign(robot_.bodies().size(), {});
+  ball_links_.assign(bodies_.size(), {});
+  parts_.clear();
+  std::vector<std::size_t> first_link;  // of each part
+  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    std::vector<std::size_t> left;
+    for (const std::size_t link : robot_.bodies()[body].links) {
+      if (!balls[link].empty()) left.push_back(link);
+    }
+    // By number, whatever the order of the joints.
+    std::sort(left.begin(), left.end());
+    if (left.empty()) continue;
+    bodies_[body].push_back({});
+    ball_links_[body].push_back(0);
+    while (!left.empty()) {
+      const std::size_t first = left.front();
+      parts_.push_back({body, bodies_[body].size(), 0, {}});
+      first_link.push_back(first);
+      std::erase_if(left, [&](std::size_t link) {
+        if (apart[link] != apart[first]) return false;
+        for (const BodySphere& ball : balls[link]) {
+          bodies_[body].push_back({robot_.pose_in_body(link)(ball.centre), ball.radius});
+          ball_links_[body].push_back(link);
+        }
+        return true;
+      });
+      parts_.back().end = bodies_[body].size();
+    }
+  }
+  pairs_.clear();
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for (std::size_t q = p + 1; q < parts_.size(); ++q) {
+      if (apart[first_link[p]][first_link[q]] != 0) pairs_.emplace_back(p, q);
+    }
+  }
+  add_standing();
+}
+
+void SphereModel::add_standing() {
+  standing_.assign(bodies_.size(), std::nullopt);
+  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    // The balls of each link after one that contains them.
+    std::vector<std::size_t> links;
+    std::vector<std::vector<BodySphere>> balls;
+    for (std::size_t i = 1; i < bodies_[body].size(); ++i) {
+      const std::size_t link = ball_links_[body][i];
+      if (links.empty() || links.back() != link) {
+        links.push_back(link);
+        balls.push_back({{}});
+      }
+      balls.back().push_back(bodies_[body][i]);
+    }
+    for (auto& own : balls) own.front() = enclosing({own.begin() + 1, own.end()});
+    std::optional<Standing>& nearest = standing_[body];
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      for (std::size_t j = i + 1; j < links.size(); ++j) {
+        if (!checked(links[i], links[j])) continue;
+        const double enough = nearest ? nearest->gap : std::numeric_limits<double>::infinity();
+        const double gap = gap_between(balls[i], balls[j], enough);
+        if (gap < enough) nearest = Standing{std::min(links[i], links[j]), std::max(links[i], links[j]), gap};
+      }
+    }
+  }
+}
+
+std::optional<SphereModel::Standing> SphereModel::standing() const {
+  std::optional<Standing> nearest;
+  for (const auto& of_body : standing_) {
+    if (of_body && (!nearest || of_body->gap < nearest->gap)) nearest = of_body;
+  }
+  return nearest;
 }
 
 void SphereModel::enclose() {
@@ -90,19 +254,25 @@ void SphereModel::enclose() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     auto& balls = bodies_[b];
     if (balls.empty()) continue;
-    const BodySphere all = enclosing(balls);
-    balls.insert(balls.begin(), all);
+    const BodySphere all = enclosing({balls.begin() + 1, balls.end()});
+    balls.front() = all;
     double far = norm(all.centre) + all.radius;
     for (std::size_t at = b; at != 0; at = robot_.bodies()[at].parent) {
       far += norm(robot_.bodies()[at].origin.position) + robot_.extension(at);
     }
     bounding_radius_ = std::max(bounding_radius_, far);
   }
+  for (Part& part : parts_) {
+    const auto own = bodies_[part.body].begin();
+    part.whole =
+        enclosing({own + static_cast<std::ptrdiff_t>(part.begin), own + static_cast<std::ptrdiff_t>(part.end)});
+  }
 }
 
 SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   if (robots.size() < 2) throw Error("robots: a team has at least two robots");
   std::vector<Link> links = {{"world", {}}};
+  std::vector<LinkBalls> balls(1);
   std::vector<Joint> joints;
   Pairs may_touch;
   std::vector<std::string> moving;
@@ -118,6 +288,7 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
       throw Error(fmt::format("robots: at most {} links in all", KinematicTree::most_links));
     }
     for (const Link& link : tree.links()) links.push_back({named(link.name), link.solids});
+    balls.insert(balls.end(), robots[i].link_balls_->begin(), robots[i].link_balls_->end());
     const std::size_t first_moving = one.moving().front();
     // The parent of a base that moves is the world itself. A fixed one follows a joint of its robot by a factor of 0:
     // it stays where it is, and is a body that the other robots must not touch.
@@ -154,8 +325,10 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   for (const std::string& joint : moving) numbers.push_back(*tree.find_joint(joint));
   std::vector<std::vector<double>> placed(tree.joints().size());
   for (auto& [joint, value] : values) placed[*tree.find_joint(joint)] = std::move(value);
-  std::sort(may_touch.begin(), may_touch.end());
-  SphereModel team(Manipulator(std::move(tree), std::move(numbers), placed), std::move(may_touch));
+  // Permissions of the robots alone: neither the world nor a base makes links of two robots neighbours.
+  SphereModel team(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)),
+                   Manipulator(std::move(tree), std::move(numbers), placed), {});
+  team.permit(std::move(may_touch));
   for (const State& state : robots.front().states_) {
     State whole{state.name, {}};
     bool all = true;
@@ -249,12 +422,27 @@ SphereModel SphereModel::attached(const std::string& name, const Solid& solid, s
                                   const std::vector<std::size_t>& touch) const {
   check_no_cloud(solid, fmt::format("the attached body '{}'", name));
   const std::size_t added = robot_.tree().links().size();
+  Manipulator robot = robot_.attached({name, {solid}}, link);
+  std::vector<LinkBalls> balls = *link_balls_;
+  balls.push_back(link_balls(robot.tree()).back());
   Pairs may_touch = may_touch_;
   for (const std::size_t other : touch) may_touch.emplace_back(other, added);
-  std::sort(may_touch.begin(), may_touch.end());
-  SphereModel with(robot_.attached({name, {solid}}, link), std::move(may_touch));
+  // Links that do not move against it.
+  for (std::size_t other = 0; other < added; ++other) {
+    if (robot.tree().fixed_together(other, added)) may_touch.emplace_back(other, added);
+  }
+  SphereModel with(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot), {});
+  with.permit(std::move(may_touch));
   with.base_ = base_;
   with.states_ = states_;
+  return with;
+}
+
+SphereModel SphereModel::permitting(const Pairs& more) const {
+  SphereModel with = *this;
+  Pairs may_touch = may_touch_;
+  may_touch.insert(may_touch.end(), more.begin(), more.end());
+  with.permit(std::move(may_touch));
   return with;
 }
 
@@ -273,7 +461,13 @@ SphereModel SphereModel::thinned(double factor) const {
       ball.radius *= factor;
     }
   }
-  SphereModel thin(*this, robot_, std::move(bodies), pairs_);
+  SphereModel thin(*this, robot_, std::move(bodies));
+  thin.ball_links_ = ball_links_;
+  thin.parts_ = parts_;
+  thin.pairs_ = pairs_;
+  // Links that do not move against each other are at least as far apart.
+  thin.standing_ = standing_;
+  thin.enclose();
   thin.states_ = states_;
   return thin;
 }
@@ -299,63 +493,42 @@ std::optional<SphereModel> SphereModel::reduced(const std::vector<std::size_t>& 
     if (whole) moving.push_back(j);
     column += width;
   }
-  Manipulator part = robot_.with_moving(moving);
+  SphereModel part(*this, robot_.with_moving(moving), {});
+  const std::size_t count = part.robot_.bodies().size();
+  part.bodies_.resize(count);
+  part.ball_links_.resize(count);
+  part.standing_.resize(count);
   // A body of the part consists of bodies that do not move against each other any more.
-  std::vector<std::vector<BodySphere>> bodies(part.bodies().size());
-  for (std::size_t b = 0; b < all.size(); ++b) {
-    if (determined[b] == 0 || bodies_[b].empty()) continue;
-    const std::size_t link = all[b].links.front();
-    auto& balls = bodies[part.body_of(link)];
-    if (balls.empty()) balls.push_back({});
-    const Pose3 at = part.pose_in_body(link) * robot_.pose_in_body(link).inverse();
-    for (std::size_t i = 1; i < bodies_[b].size(); ++i) {
-      balls.push_back({at(bodies_[b][i].centre), bodies_[b][i].radius});
+  std::vector<std::size_t> place(parts_.size(), parts_.size());  // of each part among those of the new model
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const Part& old = parts_[p];
+    if (determined[old.body] == 0) continue;
+    const std::size_t link = all[old.body].links.front();
+    const std::size_t body = part.robot_.body_of(link);
+    auto& balls = part.bodies_[body];
+    auto& links = part.ball_links_[body];
+    if (balls.empty()) {
+      balls.push_back({});
+      links.push_back(0);
+    }
+    place[p] = part.parts_.size();
+    part.parts_.push_back({body, balls.size(), balls.size() + old.count(), {}});
+    const Pose3 at = part.robot_.pose_in_body(link) * robot_.pose_in_body(link).inverse();
+    for (std::size_t i = old.begin; i < old.end; ++i) {
+      balls.push_back({at(bodies_[old.body][i].centre), bodies_[old.body][i].radius});
+      links.push_back(ball_links_[old.body][i]);
+    }
+    if (const auto& standing = standing_[old.body]; standing) {
+      auto& nearest = part.standing_[body];
+      if (!nearest || standing->gap < nearest->gap) nearest = standing;
     }
   }
-  Pairs pairs;
   for (const auto& [a, b] : pairs_) {
-    if (determined[a] == 0 || determined[b] == 0) continue;
-    const std::size_t first = part.body_of(all[a].links.front());
-    const std::size_t second = part.body_of(all[b].links.front());
-    if (first != second) pairs.emplace_back(std::min(first, second), std::max(first, second));
+    if (determined[parts_[a].body] == 0 || determined[parts_[b].body] == 0) continue;
+    if (part.parts_[place[a]].body != part.parts_[place[b]].body) part.pairs_.emplace_back(place[a], place[b]);
   }
-  return SphereModel(*this, std::move(part), std::move(bodies), std::move(pairs));
-}
-
-SphereModel::Pairs self_collision_pairs(const Manipulator& robot, const SphereModel::Pairs& may_touch) {
-  const KinematicTree& tree = robot.tree();
-  const std::size_t bodies = robot.bodies().size();
-  // Links that fixed joints connect count as one: parent and child of a joint may touch.
-  const auto beside = [&](std::size_t a, std::size_t b) {
-    const auto carried = [&](std::size_t child, std::size_t parent) {
-      for (std::size_t at = child;;) {
-        const auto j = tree.joint_of(at);
-        if (!j) return false;
-        const Joint& joint = tree.joints()[*j];
-        if (joint.kind != Joint::Kind::fixed) return tree.fixed_together(joint.parent, parent);
-        at = joint.parent;
-      }
-    };
-    return tree.fixed_together(a, b) || carried(a, b) || carried(b, a);
-  };
-  std::vector<std::vector<char>> checked(bodies, std::vector<char>(bodies, 0));
-  for (std::size_t a = 0; a < tree.links().size(); ++a) {
-    for (std::size_t b = a + 1; b < tree.links().size(); ++b) {
-      if (tree.links()[a].solids.empty() || tree.links()[b].solids.empty()) continue;
-      const std::size_t first = std::min(robot.body_of(a), robot.body_of(b));
-      const std::size_t second = std::max(robot.body_of(a), robot.body_of(b));
-      if (first == second || beside(a, b)) continue;
-      if (std::binary_search(may_touch.begin(), may_touch.end(), std::pair(a, b))) continue;
-      checked[first][second] = 1;
-    }
-  }
-  SphereModel::Pairs pairs;
-  for (std::size_t a = 0; a < bodies; ++a) {
-    for (std::size_t b = a + 1; b < bodies; ++b) {
-      if (checked[a][b] != 0) pairs.emplace_back(a, b);
-    }
-  }
-  return pairs;
+  part.enclose();
+  return part;
 }
 
 std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight) {
@@ -378,64 +551,71 @@ std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, doubl
   return axes;
 }
 
-SphereModel::Pairs likely_contacts(const Manipulator& robot, const SphereModel::Pairs& may_touch, bool at_zero) {
+SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<LinkBalls>& balls,
+                                   const SphereModel::Pairs& may_touch) {
   constexpr int samples = 1000;
-  constexpr double share = 0.95;
-  const SphereModel model(robot, may_touch);
-  std::vector<int> contacts(model.pairs().size(), 0);
-  std::vector<Pose3> poses;
-  const auto touching = [&](std::size_t a, std::size_t b) {
-    const auto& first = model.bodies()[a];
-    const auto& second = model.bodies()[b];
-    if (first.empty() || second.empty()) return false;
-    const Pose3 between = poses[a].inverse() * poses[b];
+  constexpr int most_free = 50;  // of these
+  std::vector<std::size_t> moving;
+  for (std::size_t j = 0; j < tree.joints().size(); ++j) {
+    // A base that moves changes no distance between links.
+    if (tree.joints()[j].width() == 1) moving.push_back(j);
+  }
+  if (moving.empty()) return {};
+  const Manipulator robot(tree, moving);
+  /// Two links, and in how many configurations they were apart.
+  struct Candidate {
+    std::size_t first, second;
+    int free = 0;
+  };
+  SphereModel::Pairs excluded = neighbours(tree);
+  for (const auto& [a, b] : may_touch) excluded.emplace_back(std::min(a, b), std::max(a, b));
+  std::sort(excluded.begin(), excluded.end());
+  std::vector<Candidate> left;
+  std::vector<BodySphere> wholes(balls.size());
+  for (std::size_t a = 0; a < balls.size(); ++a) {
+    if (balls[a].empty()) continue;
+    wholes[a] = enclosing(balls[a]);
+    for (std::size_t b = a + 1; b < balls.size(); ++b) {
+      if (balls[b].empty() || tree.fixed_together(a, b)) continue;
+      if (!std::binary_search(excluded.begin(), excluded.end(), std::pair(a, b))) left.push_back({a, b});
+    }
+  }
+  std::vector<Pose3> bodies;
+  std::vector<Pose3> poses(balls.size());
+  const auto touch = [&](std::size_t first, std::size_t second) {
+    const Pose3 between = poses[first].inverse() * poses[second];
     const auto apart = [](const BodySphere& ball, const Vec3& at, double radius) {
       return norm(ball.centre - at) > ball.radius + radius;
     };
-    if (apart(first[0], between(second[0].centre), second[0].radius)) return false;
-    for (std::size_t j = 1; j < second.size(); ++j) {
-      const Vec3 at = between(second[j].centre);
-      if (apart(first[0], at, second[j].radius)) continue;
-      for (std::size_t i = 1; i < first.size(); ++i) {
-        if (!apart(first[i], at, second[j].radius)) return true;
+    if (apart(wholes[first], between(wholes[second].centre), wholes[second].radius)) return false;
+    for (const BodySphere& ball : balls[second]) {
+      const Vec3 at = between(ball.centre);
+      if (apart(wholes[first], at, ball.radius)) continue;
+      for (const BodySphere& other : balls[first]) {
+        if (!apart(other, at, ball.radius)) return true;
       }
     }
     return false;
   };
   Configuration q(robot.dimension(), 0.0);
-  Stream stream(0, robot.tree().name(), "likely contacts");
-  for (int k = 0; k <= samples; ++k) {
-    std::size_t column = 0;
-    for (const std::size_t j : robot.moving()) {
-      const Joint& joint = robot.tree().joints()[j];
+  Stream stream(0, tree.name(), "likely contacts");
+  for (int k = 0; k < samples && !left.empty(); ++k) {
+    for (std::size_t c = 0; c < moving.size(); ++c) {
+      const Joint& joint = tree.joints()[moving[c]];
       const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
-      for (std::size_t i = 0; i < joint.width(); ++i, ++column) {
-        const double lo = limited ? joint.lo : -std::numbers::pi;
-        const double hi = limited ? joint.hi : std::numbers::pi;
-        q[column] = k == 0 ? std::clamp(0.0, lo, hi) : lo + stream.uniform() * (hi - lo);
-      }
+      const double lo = limited ? joint.lo : -std::numbers::pi;
+      const double hi = limited ? joint.hi : std::numbers::pi;
+      q[c] = lo + stream.uniform() * (hi - lo);
     }
-    robot.poses(q, poses);
-    for (std::size_t p = 0; p < contacts.size(); ++p) {
-      const auto& [a, b] = model.pairs()[p];
-      if (touching(a, b)) contacts[p] += k > 0 ? 1 : at_zero ? samples : 0;
-    }
+    robot.poses(q, bodies);
+    for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = bodies[robot.body_of(i)] * robot.pose_in_body(i);
+    std::erase_if(left, [&](Candidate& pair) {
+      if (!touch(pair.first, pair.second)) ++pair.free;
+      return pair.free > most_free;
+    });
   }
-  SphereModel::Pairs bodies;
-  for (std::size_t p = 0; p < contacts.size(); ++p) {
-    if (contacts[p] >= share * samples) bodies.push_back(model.pairs()[p]);
-  }
-  return bodies;
-}
-
-SphereModel::Pairs links_of(const Manipulator& robot, const SphereModel::Pairs& bodies) {
   SphereModel::Pairs links;
-  for (const auto& [first, second] : bodies) {
-    for (const std::size_t a : robot.bodies()[first].links) {
-      for (const std::size_t b : robot.bodies()[second].links) links.emplace_back(std::min(a, b), std::max(a, b));
-    }
-  }
-  std::sort(links.begin(), links.end());
+  for (const Candidate& pair : left) links.emplace_back(pair.first, pair.second);
   return links;
 }
 

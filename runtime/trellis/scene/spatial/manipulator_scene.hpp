@@ -26,20 +26,45 @@ struct PointOnBody {
   Vec3 point = {};  ///< in the body's frame
 };
 
+/// The collision geometry of one link as balls, in the link's frame.
+using LinkBalls = std::vector<BodySphere>;
+
+/// Returns balls that contain the collision geometry of each link of a robot: spheres as they are, covers of every
+/// other shape. They depend on the link alone, so that each group of joints has the same.
+std::vector<LinkBalls> link_balls(const KinematicTree& tree);
+
 /// A manipulator as balls, which collision checking uses: those of a sphere model as they are, balls that cover every
 /// other shape (conservative: a little space beside such a shape counts as the robot's).
 class SphereModel {
  public:
   using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+  /// Balls of a body that self-collision checking compares with the same links: those of links with the same
+  /// permissions.
+  struct Part {
+    std::size_t body = 0;
+    std::size_t begin = 1;  ///< the first one among the balls of the body
+    std::size_t end = 1;    ///< after the last one
+    BodySphere whole = {};  ///< contains them
+
+    [[nodiscard]] std::size_t count() const { return end - begin; }
+  };
+  /// Two links of one body, which do not move against each other and are checked.
+  struct Standing {
+    std::size_t first = 0;   ///< a link
+    std::size_t second = 0;  ///< a link
+    double gap = 0.0;        ///< their distance at all configurations, in metres; at most 0 in contact
+  };
   /// A configuration that has a name: "ready".
   struct State {
     std::string name;
     Configuration q;
   };
 
-  /// \param may_touch  pairs of links that are not checked against each other, the lesser one first, ascending; links
-  ///     that a joint connects, and those of one body, are never checked
+  /// \param may_touch  pairs of links that are not checked against each other, the lesser one first. `neighbours` and
+  ///     links that fixed joints connect are never checked
   explicit SphereModel(Manipulator robot, Pairs may_touch = {});
+  /// \param balls  of each link, as `link_balls` returns them
+  SphereModel(Manipulator robot, std::vector<LinkBalls> balls, Pairs may_touch);
 
   /// Returns a team: robots in one world, each at its base, whose links must not touch those of the others. Links and
   /// joints are named as "2/panda_link1"; configurations that all robots have by one name keep it.
@@ -52,8 +77,20 @@ class SphereModel {
   [[nodiscard]] const Manipulator& robot() const { return robot_; }
   /// For each body its balls; the first one contains the others.
   [[nodiscard]] const std::vector<std::vector<BodySphere>>& bodies() const { return bodies_; }
-  /// Pairs of bodies that must not touch each other, the lesser one first.
+  /// The link that a ball of a body belongs to.
+  /// \param ball  from 1
+  [[nodiscard]] std::size_t link_of(std::size_t body, std::size_t ball) const { return ball_links_[body][ball]; }
+  /// The parts of all bodies with balls, by body.
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  /// Pairs of parts of different bodies that must not touch each other, the lesser one first, ascending.
   [[nodiscard]] const Pairs& pairs() const { return pairs_; }
+  /// Whether two links must not touch each other.
+  [[nodiscard]] bool checked(std::size_t first_link, std::size_t second_link) const;
+  /// Pairs of links that may touch each other, the lesser one first, ascending.
+  [[nodiscard]] const Pairs& may_touch() const { return may_touch_; }
+  /// The nearest links of one body that must not touch each other; none without such links. Where they touch, no
+  /// configuration is valid.
+  [[nodiscard]] std::optional<Standing> standing() const;
   /// Where the base is in the world.
   [[nodiscard]] const Pose3& base() const { return base_; }
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
@@ -82,6 +119,8 @@ class SphereModel {
   /// \throws Error where a link has that name
   [[nodiscard]] SphereModel attached(const std::string& name, const Solid& solid, std::size_t link,
                                      const std::vector<std::size_t>& touch) const;
+  /// Returns the robot of which more pairs of links may touch each other.
+  [[nodiscard]] SphereModel permitting(const Pairs& more) const;
   /// Returns the robot with thinner links: each ball has its radius times `factor`, and lies in the ball that it was.
   [[nodiscard]] SphereModel thinned(double factor) const;
   /// Returns the robot of which some joints move alone, and without the bodies whose places others determine.
@@ -90,15 +129,26 @@ class SphereModel {
   [[nodiscard]] std::optional<SphereModel> reduced(const std::vector<std::size_t>& kept) const;
 
  private:
-  SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies, Pairs pairs);
+  /// A model with other balls and parts, which is not divided anew.
+  SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies);
+  /// A model without bodies: `permit` adds them.
+  SphereModel(std::shared_ptr<const std::vector<LinkBalls>> balls, Manipulator robot, Pairs may_touch);
+  /// Sets the pairs of links that may touch, and divides the bodies into parts.
+  void permit(Pairs may_touch);
+  void divide();
+  void add_standing();
   void enclose();
   /// The tip among the bodies that these coordinates move, ascending; empty: all bodies.
   [[nodiscard]] PointOnBody tip_moved_by(const std::vector<std::size_t>& axes) const;
 
   Manipulator robot_;
+  std::shared_ptr<const std::vector<LinkBalls>> link_balls_;
   std::vector<std::vector<BodySphere>> bodies_;
+  std::vector<std::vector<std::size_t>> ball_links_;  ///< for each ball of a body its link; the first one has none
   Pairs may_touch_;
+  std::vector<Part> parts_;
   Pairs pairs_;
+  std::vector<std::optional<Standing>> standing_;  ///< for each body
   Pose3 base_;
   std::vector<State> states_;
   bool exact_ = true;
@@ -106,24 +156,22 @@ class SphereModel {
   double bounding_radius_ = 0.0;
 };
 
-/// Returns the pairs of bodies of a manipulator that are checked for self-collision: all whose links no joint connects
-/// and no pair of links that may touch.
-/// \param may_touch  pairs of links, the lesser one first, ascending
-SphereModel::Pairs self_collision_pairs(const Manipulator& robot, const SphereModel::Pairs& may_touch);
+/// Returns the pairs of links that may touch each other because they are neighbours, the lesser one first, ascending:
+/// a joint connects them, or joints with only links without collision geometry between them.
+SphereModel::Pairs neighbours(const KinematicTree& tree);
 
 /// Returns the axes of a robot's configurations: of each joint that moves its own, in order.
 /// \param bounds  of the positions of a base that moves
 /// \param weight  metres of the metric per radian
 std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight);
 
-/// Returns pairs of bodies that touch in at least 95 % of 1000 configurations that are drawn uniformly, the same ones
-/// each time: no configuration would be valid.
-/// \param may_touch  pairs of links that are not examined, the lesser one first, ascending
-/// \param at_zero    pairs that touch at the configuration 0 count too
-SphereModel::Pairs likely_contacts(const Manipulator& robot, const SphereModel::Pairs& may_touch, bool at_zero);
-
-/// Returns all pairs of the links of two bodies, for pairs of bodies; ascending.
-SphereModel::Pairs links_of(const Manipulator& robot, const SphereModel::Pairs& bodies);
+/// Returns pairs of links that touch in at least 95 % of 1000 configurations of all joints, which are drawn uniformly
+/// within their limits, the same ones each time: hardly a configuration would be valid. A base that moves stays.
+/// \param balls      of each link
+/// \param may_touch  pairs of links that are not examined, the lesser one first
+/// \return ascending
+SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<LinkBalls>& balls,
+                                   const SphereModel::Pairs& may_touch);
 
 /// A world of space and a manipulator in it.
 class ManipulatorScene final : public SceneOf<World3, SphereModel> {
