@@ -277,3 +277,51 @@ TEST_CASE("run writes the motions in space as glTF, and says that a planar probl
   CHECK(content(place / "motions/hall/free.glb").starts_with("glTF"));
   CHECK_FALSE(std::filesystem::exists(place / "motions/cup"));
 }
+
+TEST_CASE("scene prints what is in the files of a robot, and how a script reads it") {
+  const Place place;
+  write(place, "two.urdf",
+        "<robot name=\"two\">\n<link name=\"a\"/>\n<link name=\"b\"><collision><geometry><sphere radius=\"0.1\"/>"
+        "</geometry></collision></link>\n<link name=\"c\"><collision><geometry><mesh filename=\"c.obj\"/></geometry>"
+        "</collision></link>\n"
+        "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/><limit lower=\"-1\" upper=\"2\"/>"
+        "</joint>\n<joint name=\"k\" type=\"prismatic\"><parent link=\"b\"/><child link=\"c\"/><limit/></joint>\n"
+        "<plug/>\n</robot>\n");
+  const Outcome urdf = place.run({"scene", "two.urdf"});
+  CHECK(urdf.status == 0);
+  CHECK_THAT(urdf.out,
+             Contains("two.urdf: URDF, a robot of links and joints\n") &&
+                 Contains("links     3, 1 with collision geometry; the base is 'a'\n") &&
+                 Contains("joints    2, 1 can plan, 0 fixed\n") && Contains("joint     j  revolute    -1 to 2 rad\n") &&
+                 Contains("joint     k  prismatic   0 to 0 m: it cannot move\n") &&
+                 Contains("meshes    0 files found, 1 not found\n") &&
+                 Contains("two.urdf:4: the mesh c.obj of link 'c' is not found") &&
+                 Contains("two.urdf:7: 'plug' is not read\n") && Contains("use       robot.urdf(\"two.urdf\")\n"));
+  write(place, "two.srdf",
+        "<robot name=\"two\">\n<group name=\"arm\"><joint name=\"j\"/></group>\n"
+        "<group_state name=\"home\" group=\"arm\"><joint name=\"j\" value=\"0.5\"/></group_state>\n"
+        "<disable_collisions link1=\"a\" link2=\"c\"/>\n</robot>\n");
+  const std::string use = R"(use       robot.urdf("two.urdf", { srdf = "two.srdf", group = "arm" }))";
+  CHECK_THAT(place.run({"scene", "two.urdf"}).out, Contains(use));
+  const Outcome srdf = place.run({"scene", "two.srdf"});
+  CHECK_THAT(srdf.out, Contains("two.srdf: SRDF, groups and states of a robot\n") &&
+                           Contains("group     arm: joint j (1 joint: j)\n") &&
+                           Contains("state     home of arm: j 0.5\n") &&
+                           Contains("pairs     1 pairs of links may touch\n") && Contains(use));
+  const Json json = Json::parse(place.run({"scene", "two.srdf", "--json"}).out);
+  CHECK(json["groups"][0]["joints"] == Json({"j"}));
+  CHECK(json["joints"][0]["limits"] == Json({-1.0, 2.0}));
+  CHECK(json["meshes"][0]["path"].is_null());
+  // A SRDF file by itself, and with a robot elsewhere.
+  std::filesystem::create_directories(place / "moveit");
+  write(place, "moveit/two.srdf",
+        "<robot name=\"two\"><group name=\"arm\"><chain base_link=\"a\" tip_link=\"b\"/></group></robot>");
+  CHECK_THAT(place.run({"scene", "moveit/two.srdf"}).out,
+             Contains("group     arm: chain a to b\n") &&
+                 Contains(R"(robot.urdf("FILE.urdf", { srdf = "two.srdf", group = "arm" }))"));
+  CHECK_THAT(place.run({"scene", "moveit/two.srdf", "--robot", "two.urdf"}).out, Contains("(1 joint: j)"));
+  CHECK_THAT(place.run({"scene", "two.urdf", "--svg", "two.svg"}).err, Contains("is a robot without a world"));
+  write(place, "arm.urdf.xacro", "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n<xacro:arm/></robot>");
+  CHECK_THAT(place.run({"scene", "arm.urdf.xacro"}).err,
+             Contains("arm.urdf.xacro:2: a xacro file: expand it first: xacro arm.urdf.xacro > arm.urdf"));
+}

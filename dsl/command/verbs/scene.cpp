@@ -17,6 +17,7 @@
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/store/outputs.hpp>
+#include <dsl/command/verbs/robot_report.hpp>
 #include <dsl/language/words/problem.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/collision/checker.hpp>
@@ -517,6 +518,24 @@ int print_mesh(const std::string& path, const SceneOptions& options) {
   return success;
 }
 
+/// Whether the file describes a robot of links and joints; then it is reported.
+bool print_robot(const std::string& path, const SceneOptions& options) {
+  std::string robot;
+  if (!options.robot.empty()) {
+    robot = dsl::find_scene(options.robot, "");
+    if (robot.empty()) throw Error("--robot: " + dsl::missing_scene(options.robot, ""));
+  }
+  const auto report = robot_report(path, options.file, robot, options.json);
+  if (!report) return false;
+  if (draws(options) || !options.gltf.empty() || !options.problem.empty()) {
+    const char* given = !options.problem.empty() ? "--problem" : !options.gltf.empty() ? "--gltf" : "--svg or --png";
+    throw Error(fmt::format("{}: {} is a robot without a world; a script with problem {{ ... }} draws it", given,
+                            options.file));
+  }
+  print_all(*report);
+  return true;
+}
+
 int scene(const SceneOptions& options) {
   const std::string path = dsl::find_scene(options.file, "");
   if (path.empty()) throw Error(dsl::missing_scene(options.file, ""));
@@ -528,6 +547,7 @@ int scene(const SceneOptions& options) {
   }
   if (has_mesh_ending(path)) return print_mesh(path, options);
   if (!options.unit.empty()) throw Error(fmt::format("--unit: {} is no mesh", options.file));
+  if (print_robot(path, options)) return success;
   ReadOptions read;
   if (!options.robot.empty()) {
     const std::string robot = dsl::find_scene(options.robot, "");
@@ -547,10 +567,13 @@ void add_scene(CommandLine& line) {
   const auto options = std::make_shared<SceneOptions>();
   Subcommand verb = line.add("scene", "print what is in a scene file of another project, and draw it",
                              [options] { return scene(*options); });
-  verb.argument("SCENE", "FILE", options->file,
-                "a scene, or a mesh alone (.stl .obj .ply .off .g .dae); also looked for in the folder TRELLIS_SCENES");
+  verb.argument(
+      "SCENE", "FILE", options->file,
+      "a scene, a mesh alone (.stl .obj .ply .off .g .dae) or a robot (.urdf .srdf); also looked for in the folder "
+      "TRELLIS_SCENES");
   verb.text("--problem", "NAME", options->problem, "show this one of the file's problems, not the first");
-  verb.text("--robot", "FILE", options->robot, "a drawing (SVG) of the outline of the robot, if the scene has none");
+  verb.text("--robot", "FILE", options->robot,
+            "a drawing (SVG) of the outline of the robot, if the scene has none; the URDF file of a .srdf");
   verb.text("--unit", "UNIT", options->unit, "of a mesh: m, mm, cm, inch, or the number of metres");
   verb.text("--svg", "FILE", options->svg, "draw the scene, with the robot at start and goal");
   verb.text("--png", "FILE", options->png, "the same as a PNG");

@@ -28,6 +28,8 @@ using lua::Value;
 
 struct UrdfSettings {
   bool self_collision = true;
+  bool soft_limits = false;
+  bool leave_out_missing = false;
 };
 
 const Settings<UrdfSettings>& urdf_settings() {
@@ -36,7 +38,11 @@ const Settings<UrdfSettings>& urdf_settings() {
           .boolean(
               "self_collision", &UrdfSettings::self_collision,
               "links that are no neighbours must not touch, but for the pairs that the SRDF file disables, and those "
-              "that touch in nearly every configuration, which a warning names");
+              "that touch in nearly every configuration, which a warning names")
+          .boolean("soft_limits", &UrdfSettings::soft_limits,
+                   "joints stay within the soft limits of <safety_controller>, too")
+          .choice("missing_meshes", &UrdfSettings::leave_out_missing, {{"error", false}, {"leave_out", true}},
+                  "where a mesh is not found: \"error\", or \"leave_out\", the link lacks it, by a warning");
   return settings;
 }
 
@@ -58,7 +64,10 @@ const Construct& urdf_construct() {
             "where joints stay that do not move, in radians or metres; others at 0 or at the nearest limit"},
            {"base", "trellis.Pose|string", "a pose, or \"planar\"",
             "where the robot's base is in the world; \"planar\": it moves in the plane z = 0, by three coordinates "
-            "before those of the joints"}},
+            "before those of the joints"},
+           {"packages", "table<string, string>", "a table, as { ur_description = \"robots/ur\" }",
+            "the folders of packages that the file names in package://NAME/PATH; of others those above or beside the "
+            "file, by name or package.xml, and in ROS_PACKAGE_PATH"}},
       .options = urdf_settings().component(),
       .returns = "trellis.Manipulator",
       .arguments = {{"file", "string", "the name of a file",
@@ -236,6 +245,23 @@ void read_values(Value value, ManipulatorFiles& files) {
   }
 }
 
+void read_packages(Value value, ManipulatorFiles& files, const ScriptPlace& place) {
+  if (!value.given()) return;
+  const bool table = value.type() == Type::table;
+  if (!table || value.keys().length > 0 || !value.keys().odd.empty()) {
+    throw Error(fmt::format("robot.urdf: field 'packages' must be {}, got {}", urdf_construct().fields[4].expects,
+                            table ? "a list" : describe(value)));
+  }
+  for (const std::string& name : value.keys().names) {
+    const auto folder = value.field(name).string();
+    if (!folder || folder->empty()) {
+      throw Error(fmt::format("robot.urdf: field 'packages': '{}' must be the name of a folder, got {}", name,
+                              describe(value.field(name))));
+    }
+    files.reading.packages.emplace(name, scene_folder("robot.urdf", *folder, place));
+  }
+}
+
 int make_urdf(Stack& call, const ScriptPlace& place, std::vector<std::string>& warnings) {
   const Construct& construct = urdf_construct();
   const auto file = call[1].string();
@@ -258,7 +284,10 @@ int make_urdf(Stack& call, const ScriptPlace& place, std::vector<std::string>& w
       }
     }
     faults.attempt([&] {
-      files.self_collision = urdf_settings().read(validated(urdf_settings().component(), given)).self_collision;
+      const UrdfSettings settings = urdf_settings().read(validated(urdf_settings().component(), given));
+      files.self_collision = settings.self_collision;
+      files.reading.soft_limits = settings.soft_limits;
+      files.reading.leave_out_missing = settings.leave_out_missing;
     });
     if (const Value srdf = table.field("srdf"); srdf.given()) {
       faults.attempt([&] {
@@ -271,6 +300,7 @@ int make_urdf(Stack& call, const ScriptPlace& place, std::vector<std::string>& w
     }
     faults.attempt([&] { read_group(table.field("group"), files); });
     faults.attempt([&] { read_values(table.field("values"), files); });
+    faults.attempt([&] { read_packages(table.field("packages"), files, place); });
     if (const Value at = table.field("base"); at.given()) {
       faults.attempt([&] {
         if (const auto* pose = at.get<Pose3>()) {

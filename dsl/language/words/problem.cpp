@@ -646,6 +646,17 @@ std::string scene_path(const char* function, const std::string& file, const Scri
   return path;
 }
 
+std::string scene_folder(const char* function, const std::string& folder, const ScriptPlace& place) {
+  if (!place.trust) require_within(function, folder, place.folder);
+  std::string tried;
+  for (const auto& path : scene_paths(folder, place.folder)) {
+    std::error_code fault;
+    if (std::filesystem::is_directory(path, fault)) return path.string();
+    tried += (tried.empty() ? "" : ", ") + path.string();
+  }
+  throw Error(fmt::format("{}: no folder '{}' (looked for {})", function, folder, tried));
+}
+
 namespace {
 
 /// \throws Error unless the second argument of scenes.load is a table of fields and options

@@ -33,6 +33,9 @@ std::string missing_scene(const std::string& file, const std::string& script_fol
 /// Returns the path of a file of scenes or meshes that a script names, and reports it to the place's watch.
 /// \throws Error that starts with the function's name, for a file that does not exist, or that the script may not read
 std::string scene_path(const char* function, const std::string& file, const ScriptPlace& place);
+/// Returns the path of a folder that a script names, which it may read as it may read files.
+/// \throws Error that starts with the function's name
+std::string scene_folder(const char* function, const std::string& folder, const ScriptPlace& place);
 
 /// scenes.load(file, options): returns a list of problems. Without the place's trust, the file lies in the script's
 /// folder or in the folder of scenes.

@@ -28,38 +28,92 @@ std::size_t joint_named(const KinematicTree& tree, const std::string& name) {
       fmt::format("robot '{}' has no joint '{}'{}", tree.name(), name, did_you_mean(name, names_of(tree.joints()))));
 }
 
-std::vector<std::size_t> moving_joints(const ManipulatorFiles& files, const KinematicTree& tree,
-                                       const std::optional<SrdfFile>& srdf) {
-  std::vector<std::size_t> moving;
+/// Why a joint with coordinates cannot plan, with file and line; "" where it can.
+std::string fault_of(const ManipulatorFiles& files, const UrdfFile& urdf, const KinematicTree& tree, std::size_t j) {
+  const Joint& joint = tree.joints()[j];
+  if (const auto fault = urdf.faults.find(joint.name); fault != urdf.faults.end()) return fault->second;
+  const auto line = urdf.joint_lines.find(joint.name);
+  const std::string place =
+      line == urdf.joint_lines.end() ? files.urdf : fmt::format("{}:{}", files.urdf, line->second);
+  if (joint.kind == Joint::Kind::floating) {
+    return fmt::format("{}: joint '{}' is floating: a robot with such a joint is a body that moves freely", place,
+                       joint.name);
+  }
+  if (joint.kind == Joint::Kind::planar && joint.parent != tree.base()) {
+    return fmt::format("{}: joint '{}' is planar and does not move the base", place, joint.name);
+  }
+  if (!joint.plans()) {
+    return fmt::format("{}: joint '{}' has the limits {:g} and {:g}: it cannot move", place, joint.name, joint.lo,
+                       joint.hi);
+  }
+  return "";
+}
+
+std::vector<std::size_t> group_joints(const ManipulatorFiles& files, const KinematicTree& tree,
+                                      const std::optional<SrdfFile>& srdf) {
+  if (!srdf) {
+    throw Error(
+        fmt::format("group '{}': groups are defined in a SRDF file; name it as srdf = \"{}.srdf\", or list "
+                    "the joints that move",
+                    files.group, tree.name()));
+  }
+  if (const auto fault = srdf->faults.find(files.group); fault != srdf->faults.end()) throw Error(fault->second);
+  const auto group = std::find_if(srdf->groups.begin(), srdf->groups.end(),
+                                  [&](const SrdfFile::Group& one) { return one.name == files.group; });
+  if (group == srdf->groups.end()) {
+    const auto known = names_of(srdf->groups);
+    throw Error(fmt::format("{}: there is no group '{}'{}; there are: {}", files.srdf, files.group,
+                            did_you_mean(files.group, known), fmt::join(known, ", ")));
+  }
+  if (group->joints.empty()) {
+    throw Error(fmt::format("{}: group '{}' has no joint that moves", files.srdf, files.group));
+  }
+  return group->joints;
+}
+
+/// \param warnings  receives the joints that cannot plan and stay where they are
+std::vector<std::size_t> moving_joints(const ManipulatorFiles& files, const UrdfFile& urdf, const KinematicTree& tree,
+                                       const std::optional<SrdfFile>& srdf, std::vector<std::string>& warnings) {
+  std::vector<std::size_t> named;
+  const bool listed = files.group.empty() && !files.joints.empty();
   if (!files.group.empty()) {
-    if (!srdf) {
-      throw Error(
-          fmt::format("group '{}': groups are defined in a SRDF file; name it as srdf = \"{}.srdf\", or list "
-                      "the joints that move",
-                      files.group, tree.name()));
-    }
-    const auto group = std::find_if(srdf->groups.begin(), srdf->groups.end(),
-                                    [&](const SrdfFile::Group& one) { return one.name == files.group; });
-    if (group == srdf->groups.end()) {
-      const auto known = names_of(srdf->groups);
-      throw Error(fmt::format("{}: there is no group '{}'{}; there are: {}", files.srdf, files.group,
-                              did_you_mean(files.group, known), fmt::join(known, ", ")));
-    }
-    moving = group->joints;
-    if (moving.empty()) throw Error(fmt::format("{}: group '{}' has no joint that moves", files.srdf, files.group));
-  } else if (!files.joints.empty()) {
+    named = group_joints(files, tree, srdf);
+  } else if (listed) {
     ErrorList errors;
-    for (const std::string& name : files.joints) errors.attempt([&] { moving.push_back(joint_named(tree, name)); });
+    for (const std::string& name : files.joints) errors.attempt([&] { named.push_back(joint_named(tree, name)); });
     errors.raise();
   } else {
     for (std::size_t j = 0; j < tree.joints().size(); ++j) {
-      if (tree.joints()[j].width() > 0) moving.push_back(j);
+      if (tree.joints()[j].width() > 0) named.push_back(j);
     }
   }
+  std::vector<std::size_t> moving;
+  std::string reasons;
+  ErrorList errors;
+  for (const std::size_t j : named) {
+    const Joint& joint = tree.joints()[j];
+    // Fixed joints and followers are refused by the robot, which says what they are.
+    const std::string fault = joint.width() == 0 && !joint.locked ? "" : fault_of(files, urdf, tree, j);
+    if (fault.empty()) {
+      moving.push_back(j);
+      continue;
+    }
+    if (listed || (!files.group.empty() && joint.locked)) {
+      errors.add(Error(fault));
+      continue;
+    }
+    reasons += "\n  " + fault;
+    // The reader of the file has told of a locked joint.
+    if (!joint.locked) warnings.push_back(fmt::format("{}; it stays where it is", fault));
+  }
+  errors.raise();
   if (files.mobile) moving.push_back(joint_named(tree, "base"));
   std::sort(moving.begin(), moving.end());
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
-  if (moving.empty()) throw Error(fmt::format("robot '{}' has no joint that moves", tree.name()));
+  if (moving.empty()) {
+    throw Error(fmt::format("{}: robot '{}' has no joint that moves{}{}", files.urdf, tree.name(),
+                            reasons.empty() ? "" : ":", reasons));
+  }
   return moving;
 }
 
@@ -75,8 +129,7 @@ std::vector<std::vector<double>> values_of(const ManipulatorFiles& files, const 
         throw Error(fmt::format("joint '{}' moves: it has no fixed value", name));
       }
       if (joint.width() != 1) throw Error(fmt::format("joint '{}' has no value of its own", name));
-      const bool limited = joint.kind != Joint::Kind::continuous;
-      if (limited && !(value >= joint.lo && value <= joint.hi)) {
+      if (joint.limited() && !(value >= joint.lo && value <= joint.hi)) {
         throw Error(
             fmt::format("joint '{}': {:g} is outside of its limits [{:g}, {:g}]", name, value, joint.lo, joint.hi));
       }
@@ -87,24 +140,50 @@ std::vector<std::vector<double>> values_of(const ManipulatorFiles& files, const 
   return values;
 }
 
-/// The states that place each moving joint.
-std::vector<SphereModel::State> states_of(const SrdfFile& srdf, const Manipulator& robot) {
-  std::vector<SphereModel::State> states;
-  for (const SrdfFile::State& state : srdf.states) {
-    SphereModel::State named{state.name, {}};
-    bool whole = true;
-    for (const std::size_t j : robot.moving()) {
-      const Joint& joint = robot.tree().joints()[j];
-      if (joint.kind == Joint::Kind::planar) {
-        named.q.insert(named.q.end(), joint.width(), 0.0);
-        continue;
-      }
-      const auto found =
-          std::find_if(state.values.begin(), state.values.end(), [&](const auto& value) { return value.first == j; });
-      whole = whole && found != state.values.end();
-      if (whole) named.q.insert(named.q.end(), found->second.begin(), found->second.end());
+/// Returns the configuration of the joints that move by a state; none where it does not place each of them.
+std::optional<Configuration> configuration_of(const SrdfFile::State& state, const Manipulator& robot) {
+  Configuration q;
+  for (const std::size_t j : robot.moving()) {
+    const Joint& joint = robot.tree().joints()[j];
+    const auto found =
+        std::find_if(state.values.begin(), state.values.end(), [&](const auto& value) { return value.first == j; });
+    if (found != state.values.end() && found->second.size() == joint.width()) {
+      q.insert(q.end(), found->second.begin(), found->second.end());
+    } else if (joint.kind == Joint::Kind::planar) {
+      q.insert(q.end(), joint.width(), 0.0);
+    } else {
+      return std::nullopt;
     }
-    if (whole) states.push_back(std::move(named));
+  }
+  return q;
+}
+
+/// The states that place each moving joint: of those with one name that of the group, else the first of a group with
+/// the same joints, else the first.
+std::vector<SphereModel::State> states_of(const SrdfFile& srdf, const std::string& group, const Manipulator& robot) {
+  const auto rank = [&](const SrdfFile::State& state) {
+    if (state.group == group) return 0;
+    const bool same = std::any_of(srdf.groups.begin(), srdf.groups.end(), [&](const SrdfFile::Group& one) {
+      return one.name == state.group && one.joints == robot.moving();
+    });
+    return same ? 1 : 2;
+  };
+  std::vector<SphereModel::State> states;
+  std::vector<int> ranks;
+  for (const SrdfFile::State& state : srdf.states) {
+    auto q = configuration_of(state, robot);
+    if (!q) continue;
+    const int own = rank(state);
+    const auto known = std::find_if(states.begin(), states.end(),
+                                    [&](const SphereModel::State& other) { return other.name == state.name; });
+    const auto place = static_cast<std::size_t>(known - states.begin());
+    if (known == states.end()) {
+      states.push_back({state.name, std::move(*q)});
+      ranks.push_back(own);
+    } else if (own < ranks[place]) {
+      known->q = std::move(*q);
+      ranks[place] = own;
+    }
   }
   return states;
 }
@@ -135,7 +214,7 @@ SphereModel::Pairs all_pairs(std::size_t links) {
 }  // namespace
 
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings) {
-  UrdfFile urdf = read_urdf(files.urdf);
+  const UrdfFile urdf = read_urdf(files.urdf, files.reading);
   warnings.insert(warnings.end(), urdf.warnings.begin(), urdf.warnings.end());
   const KinematicTree tree = files.mobile ? urdf.tree.on_ground() : urdf.tree;
   std::optional<SrdfFile> srdf;
@@ -143,7 +222,14 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
     srdf = read_srdf(files.srdf, tree);
     warnings.insert(warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   }
-  const std::vector<std::size_t> moving = moving_joints(files, tree, srdf);
+  const std::vector<std::size_t> moving = moving_joints(files, urdf, tree, srdf, warnings);
+  if (srdf) {
+    for (const auto& [joint, line] : srdf->passive) {
+      if (!std::binary_search(moving.begin(), moving.end(), joint)) continue;
+      warnings.push_back(fmt::format("{}:{}: joint '{}' is passive, without a motor, and moves here", files.srdf, line,
+                                     tree.joints()[joint].name));
+    }
+  }
   const Manipulator robot = [&] {
     const auto values = values_of(files, tree, moving);
     try {
@@ -174,7 +260,7 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
                     "is valid; values = {{ JOINT = VALUE }} places these joints",
                     files.urdf, tree.links()[standing->first].name, tree.links()[standing->second].name));
   }
-  return srdf ? model.with_states(states_of(*srdf, robot)) : model;
+  return srdf ? model.with_states(states_of(*srdf, files.group, robot)) : model;
 }
 
 }  // namespace trellis

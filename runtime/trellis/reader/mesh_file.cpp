@@ -142,7 +142,18 @@ MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
     file.unit_name = asset.unit_name;
   }
   for (const std::string& warning : polygons.warnings) file.warnings.push_back(fmt::format("{}: {}", path, warning));
+  const Vec3& scale = options.scale;
+  if (scale.x == 0.0 || scale.y == 0.0 || scale.z == 0.0) {
+    throw Error(
+        fmt::format("{}: the factors of its scale must not be 0, got {:g} {:g} {:g}", path, scale.x, scale.y, scale.z));
+  }
+  if (scale != Vec3{1.0, 1.0, 1.0}) {
+    for (Vec3& v : polygons.vertices) v = {scale.x * v.x, scale.y * v.y, scale.z * v.z};
+  }
   std::vector<Triangle> triangles = polygons.triangles(file.without_area);
+  if (scale.x * scale.y * scale.z < 0.0) {
+    for (Triangle& triangle : triangles) std::swap(triangle[1], triangle[2]);
+  }
   file.format = polygons.format;
   file.polygons = polygons.count();
   if (triangles.empty()) {

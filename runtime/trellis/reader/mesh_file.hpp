@@ -17,6 +17,9 @@ struct MeshOptions {
   /// Of COLLADA: turns a file in which z or x is up such that y is up, (x, y, z) to (x, z, -y) or (-y, x, z), and joins
   /// equal vertices, as programs do that load it through assimp. Otherwise its axes are kept.
   bool y_up = false;
+  /// Factors along the axes, none 0, by which vertices are multiplied after the unit. Where an odd number of them is
+  /// negative the mesh is mirrored, and its triangles are turned.
+  Vec3 scale = {1.0, 1.0, 1.0};
 };
 
 /// A mesh, and what was found in its file.

@@ -13,17 +13,40 @@
 
 namespace trellis {
 
+/// How a URDF file is read.
+struct UrdfOptions {
+  std::map<std::string, std::string> packages = {};  ///< folders of the packages that the file names
+  bool soft_limits = false;                          ///< joints stay within those of `<safety_controller>` too
+  bool leave_out_missing = false;                    ///< links lack the meshes that are not found, by a warning each
+};
+
 /// A robot as its URDF file describes it.
 struct UrdfFile {
+  /// A mesh of a link's collision geometry.
+  struct MeshUse {
+    std::string uri;   ///< as the file names it
+    std::string link;  ///< whose geometry it is
+    std::size_t line = 1;
+    std::string path = {};  ///< "" where it is not found
+  };
+
   KinematicTree tree;
   std::vector<std::string> warnings;
   std::map<std::string, std::size_t> joint_lines;  ///< in the file, by the joint's name
+  /// What is wrong with joints that are locked, by the joint's name, with file and line.
+  std::map<std::string, std::string> faults;
+  std::vector<MeshUse> meshes;
 };
 
-/// Reads the links, joints and collision geometry of a robot from a URDF file. Meshes are read from beside the file: of
-/// `package://NAME/PATH` the first of PATH, NAME/PATH that exists in the file's folder or a folder above it.
+/// Reads the links, joints and collision geometry of a robot from a URDF file. Meshes of `package://NAME/PATH` are in
+/// the folder of that package (RosPackages); others beside the file or in one of four folders above it.
+///
+/// A joint whose limits or leader are faulty is locked, by a warning; so no fault of a joint that does not move refuses
+/// the robot. Shapes without an extent are left out, by a warning; shapes without an extent along some axes are 0.1 mm
+/// thick there. Elements and attributes that were not read are named by warnings, but for those that planning does not
+/// need: visual geometry, materials, masses, transmissions, sensors, dynamics, plug-ins of simulators.
 /// \throws Error with file and line for all faults of the file together; missing meshes are listed at once
-UrdfFile read_urdf(const std::string& path);
+UrdfFile read_urdf(const std::string& path, const UrdfOptions& options = {});
 
 /// What a SRDF file adds to a robot.
 struct SrdfFile {
@@ -35,16 +58,43 @@ struct SrdfFile {
     std::string name;
     std::string group;
     std::vector<std::pair<std::size_t, std::vector<double>>> values;  ///< of joints
+    std::size_t line = 1;
   };
   std::vector<Group> groups;
   std::vector<State> states;
-  std::vector<std::pair<std::size_t, std::size_t>> disabled;  ///< pairs of links that may touch, the lesser one first
+  /// Pairs of links that may touch, the lesser one first, ascending: those of `disable_collisions`, and those of links
+  /// with `disable_default_collisions` without those of `enable_collisions`, as srdfdom has them.
+  std::vector<std::pair<std::size_t, std::size_t>> disabled;
+  std::vector<std::pair<std::size_t, std::size_t>> passive;  ///< joints without a motor, each with its line
+  std::map<std::string, std::string> faults;                 ///< of groups that were left out, by name, with the line
   std::vector<std::string> warnings;
 };
 
-/// Reads the groups, the named states and the disabled pairs of links of a robot from a SRDF file.
-/// \throws Error with file and line for all faults of the file together
+/// Reads the groups, the named states and the disabled pairs of links of a robot from a SRDF file. A faulty group or
+/// state is left out, by a warning, as MoveIt does. Ends of arms, virtual joints and reasons are not needed; other
+/// elements that were not read are named by warnings.
+/// \throws Error with file and line where the file is no SRDF file
 SrdfFile read_srdf(const std::string& path, const KinematicTree& tree);
+
+/// A SRDF file by itself, without the robot whose links and joints it names.
+struct SrdfOutline {
+  /// A group, or a named state.
+  struct Part {
+    std::string name;
+    std::vector<std::string> of;  ///< "chain base to hand", "joint lift", "group arm"; of a state "lift 0.5"
+    std::string group;            ///< of a state
+    std::size_t line = 1;
+  };
+  std::string robot;
+  std::vector<Part> groups;
+  std::vector<Part> states;
+  std::size_t disabled = 0;                ///< elements `disable_collisions`
+  std::vector<std::string> default_links;  ///< of `disable_default_collisions`
+  std::size_t enabled = 0;                 ///< elements `enable_collisions`
+};
+
+/// \throws Error with file and line where the file is no SRDF file
+SrdfOutline read_srdf_outline(const std::string& path);
 
 /// What a robot is made of: its files, and the joints that move.
 struct ManipulatorFiles {
@@ -56,11 +106,14 @@ struct ManipulatorFiles {
                                          ///< nearest limit
   bool mobile = false;                   ///< the base moves in the plane, as a planar joint named "base" says
   bool self_collision = true;            ///< links must not touch each other
+  UrdfOptions reading = {};
 };
 
-/// Reads a robot from its URDF file, and from its SRDF file if there is one. Its named states are those of the SRDF
-/// file that give a value for each joint that moves, and those of the base are 0. Links that touch in nearly every
-/// configuration may touch, by a warning that names them, with a SRDF file and without one.
+/// Reads a robot from its URDF file, and from its SRDF file if there is one. Joints that cannot plan (Joint::plans)
+/// stay where they are, by a warning; named in `joints`, or faulty in the group, they are an error. The robot's named
+/// states are those of the SRDF file that give a value for each joint that moves, and those of the base are 0; of
+/// states with one name that of the group, else the first of a group of the same joints, else the first. Links that
+/// touch in nearly every configuration may touch, by a warning that names them, with a SRDF file and without one.
 /// \param warnings  receives those of the files
 /// \throws Error with file and line; or with the nearest name where a group or a joint does not exist
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings);

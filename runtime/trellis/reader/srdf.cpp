@@ -4,70 +4,55 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include <trellis/base/errors.hpp>
 #include <trellis/reader/robot_files.hpp>
+#include <trellis/reader/robot_root.hpp>
+#include <trellis/reader/unused.hpp>
 #include <trellis/reader/xml_entry.hpp>
 
 namespace trellis {
 
 namespace {
 
+XmlEntry srdf_root(const SourceText& text) {
+  XmlEntry robot = robot_root(text, "an SRDF file");
+  if (robot.child("link") && !robot.child("group")) {
+    throw robot.error("it is a URDF file, which has links: robot.urdf(\"FILE.urdf\", { srdf = \"FILE.srdf\" })");
+  }
+  return robot;
+}
+
 class SrdfReader {
  public:
   SrdfReader(const SourceText& text, const KinematicTree& tree)
-      : tree_(tree), robot_(XmlEntry::root(text, "robot")), groups_(robot_.children("group")) {
+      : text_(text), tree_(tree), robot_(srdf_root(text)), groups_(robot_.children("group")) {
     for (std::size_t i = 0; i < tree.links().size(); ++i) links_.emplace(tree.links()[i].name, i);
     for (std::size_t j = 0; j < tree.joints().size(); ++j) joints_.emplace(tree.joints()[j].name, j);
     for (const XmlEntry& joint : robot_.children("virtual_joint")) {
+      joint.skip({"type", "parent_frame", "child_link"});
       if (joint.has("name")) virtual_.insert(joint.word("name"));
     }
+    // The ends of arms are links of groups, which `reach` and `attach` name.
+    robot_.skip({"name", "version", "end_effector"});
   }
 
   SrdfFile read() {
     if (groups_.size() > most_groups) {
       throw groups_[most_groups].error(fmt::format("more than {} groups", most_groups));
     }
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
-      errors_.attempt([&] {
-        if (!group_numbers_.emplace(groups_[i].word("name"), i).second) {
-          throw groups_[i].error(fmt::format("a second group is called '{}'", groups_[i].word("name")));
-        }
-      });
+    read_groups();
+    for (const XmlEntry& entry : robot_.children("group_state")) {
+      warn_of_fault(entry, "the state", [&] { read_state(entry); });
     }
-    errors_.raise();
-    for (const XmlEntry& entry : groups_) {
-      errors_.attempt([&] {
-        std::map<std::string, bool> open;
-        std::set<std::size_t> joints;
-        add_group(entry, joints, open);
-        file_.groups.push_back({entry.word("name"), {joints.begin(), joints.end()}});
-      });
+    read_pairs();
+    for (const XmlEntry& entry : robot_.children("passive_joint")) {
+      warn_of_fault(entry, "the element", [&] { file_.passive.emplace_back(joint(entry, "name"), entry.line()); });
     }
-    for (const XmlEntry& entry : robot_.children("group_state")) errors_.attempt([&] { read_state(entry); });
-    // Files of a robot's other models name links that this one lacks.
-    std::set<std::string> unknown;
-    for (const XmlEntry& entry : robot_.children("disable_collisions")) {
-      errors_.attempt([&] {
-        const std::string first = entry.word("link1");
-        const std::string second = entry.word("link2");
-        const auto a = links_.find(first);
-        const auto b = links_.find(second);
-        if (a == links_.end()) unknown.insert(first);
-        if (b == links_.end()) unknown.insert(second);
-        if (a == links_.end() || b == links_.end()) return;
-        file_.disabled.emplace_back(std::min(a->second, b->second), std::max(a->second, b->second));
-      });
-    }
-    if (!unknown.empty()) {
-      file_.warnings.push_back(
-          fmt::format("pairs of links that the robot lacks are ignored: {}", fmt::join(unknown, ", ")));
-    }
-    errors_.raise();
-    std::sort(file_.disabled.begin(), file_.disabled.end());
-    file_.disabled.erase(std::unique(file_.disabled.begin(), file_.disabled.end()), file_.disabled.end());
+    for (std::string& warning : unused_warnings(text_, robot_.unused())) file_.warnings.push_back(std::move(warning));
     return std::move(file_);
   }
 
@@ -78,6 +63,79 @@ class SrdfReader {
     names.reserve(parts.size());
     for (const Part& part : parts) names.push_back(part.name);
     return names;
+  }
+
+  /// Reads an element; where that fails, the element is left out by a warning. Returns the fault, "" without one.
+  template <class Read>
+  std::string warn_of_fault(const XmlEntry& entry, const char* what, const Read& read) {
+    try {
+      read();
+    } catch (const Error& error) {
+      file_.warnings.push_back(fmt::format("{}; {} is left out", error.what(), what));
+      entry.skip_inside();
+      return error.what();
+    }
+    return "";
+  }
+
+  void read_groups() {
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      warn_of_fault(groups_[i], "the group", [&] {
+        const std::string name = groups_[i].word("name");
+        if (group_numbers_.emplace(name, i).second) return;
+        const Error fault = groups_[i].error(fmt::format("a second group is called '{}'", name));
+        file_.faults.emplace(name, fault.what());
+        throw fault;
+      });
+    }
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const auto named = std::find_if(group_numbers_.begin(), group_numbers_.end(),
+                                      [&](const auto& group) { return group.second == i; });
+      if (named == group_numbers_.end()) continue;
+      const std::string fault = warn_of_fault(groups_[i], "the group", [&] {
+        std::map<std::string, bool> open;
+        std::set<std::size_t> joints;
+        add_group(groups_[i], joints, open);
+        file_.groups.push_back({named->first, {joints.begin(), joints.end()}});
+      });
+      if (!fault.empty()) file_.faults.emplace(named->first, fault);
+    }
+  }
+
+  void read_pairs() {
+    std::set<std::pair<std::size_t, std::size_t>> pairs;
+    // Files of a robot's other models name links that this one lacks.
+    std::set<std::string> unknown;
+    const auto known = [&](const std::string& name) {
+      const auto found = links_.find(name);
+      if (found == links_.end()) unknown.insert(name);
+      return found == links_.end() ? std::nullopt : std::optional(found->second);
+    };
+    for (const XmlEntry& entry : robot_.children("disable_default_collisions")) {
+      warn_of_fault(entry, "the element", [&] {
+        const auto link = known(entry.word("link"));
+        for (std::size_t other = 0; link && other < tree_.links().size(); ++other) {
+          if (other != *link) pairs.insert({std::min(*link, other), std::max(*link, other)});
+        }
+      });
+    }
+    const auto each = [&](const char* kind, const auto& act) {
+      for (const XmlEntry& entry : robot_.children(kind)) {
+        warn_of_fault(entry, "the pair", [&] {
+          entry.skip({"reason"});
+          const auto a = known(entry.word("link1"));
+          const auto b = known(entry.word("link2"));
+          if (a && b) act(std::pair(std::min(*a, *b), std::max(*a, *b)));
+        });
+      }
+    };
+    each("enable_collisions", [&](const auto& pair) { pairs.erase(pair); });
+    each("disable_collisions", [&](const auto& pair) { pairs.insert(pair); });
+    if (!unknown.empty()) {
+      file_.warnings.push_back(
+          fmt::format("{}: pairs of links that the robot lacks are ignored: {}", text_.path, fmt::join(unknown, ", ")));
+    }
+    file_.disabled.assign(pairs.begin(), pairs.end());
   }
 
   [[nodiscard]] std::size_t link(const XmlEntry& entry, const char* attribute) const {
@@ -140,21 +198,37 @@ class SrdfReader {
   [[nodiscard]] bool is_virtual(const std::string& name) const { return virtual_.contains(name); }
 
   void read_state(const XmlEntry& entry) {
-    SrdfFile::State state{entry.word("name"), entry.word("group"), {}};
+    SrdfFile::State state{entry.word("name"), entry.word("group"), {}, entry.line()};
     const std::vector<std::string> known = names_of(file_.groups);
     if (std::find(known.begin(), known.end(), state.group) == known.end()) {
       throw entry.error(fmt::format("there is no group '{}'{}", state.group, did_you_mean(state.group, known)));
     }
     for (const XmlEntry& part : entry.children("joint")) {
-      if (is_virtual(part.word("name"))) continue;
+      if (is_virtual(part.word("name"))) {
+        part.skip({"value"});
+        continue;
+      }
       const std::size_t j = joint(part, "name");
-      state.values.emplace_back(j, std::vector<double>{part.number("value")});
+      std::vector<double> values = part.numbers("value");
+      const Joint& of = tree_.joints()[j];
+      const std::size_t width = std::max<std::size_t>(1, of.width());
+      if (values.size() != width) {
+        throw part.error(
+            fmt::format("joint '{}' has {} value{}, got {}", of.name, width, width == 1 ? "" : "s", values.size()));
+      }
+      if (of.limited() && !of.locked && !of.mimic && !(values[0] >= of.lo && values[0] <= of.hi)) {
+        file_.warnings.push_back(
+            fmt::format("{}:{}: in state '{}' joint '{}' is {:g}, outside of its limits [{:g}, {:g}]", text_.path,
+                        part.line(), state.name, of.name, values[0], of.lo, of.hi));
+      }
+      state.values.emplace_back(j, std::move(values));
     }
     file_.states.push_back(std::move(state));
   }
 
   static constexpr std::size_t most_groups = 1000;
 
+  const SourceText& text_;
   const KinematicTree& tree_;
   XmlEntry robot_;
   std::map<std::string, std::size_t> links_;
@@ -163,7 +237,6 @@ class SrdfReader {
   std::set<std::string> virtual_;
   std::vector<XmlEntry> groups_;
   SrdfFile file_;
-  ErrorList errors_;
 };
 
 }  // namespace
@@ -171,6 +244,38 @@ class SrdfReader {
 SrdfFile read_srdf(const std::string& path, const KinematicTree& tree) {
   const SourceText text = SourceText::load(path);
   return SrdfReader(text, tree).read();
+}
+
+SrdfOutline read_srdf_outline(const std::string& path) {
+  const SourceText text = SourceText::load(path);
+  const XmlEntry robot = srdf_root(text);
+  const auto name_of = [](const XmlEntry& entry, const char* attribute) {
+    return entry.has(attribute) ? entry.word(attribute) : std::string("?");
+  };
+  SrdfOutline outline;
+  outline.robot = name_of(robot, "name");
+  for (const XmlEntry& entry : robot.children("group")) {
+    SrdfOutline::Part group{name_of(entry, "name"), {}, "", entry.line()};
+    for (const XmlEntry& part : entry.children()) {
+      group.of.push_back(part.name() == "chain"
+                             ? fmt::format("chain {} to {}", name_of(part, "base_link"), name_of(part, "tip_link"))
+                             : fmt::format("{} {}", part.name(), name_of(part, "name")));
+    }
+    outline.groups.push_back(std::move(group));
+  }
+  for (const XmlEntry& entry : robot.children("group_state")) {
+    SrdfOutline::Part state{name_of(entry, "name"), {}, name_of(entry, "group"), entry.line()};
+    for (const XmlEntry& part : entry.children("joint")) {
+      state.of.push_back(fmt::format("{} {}", name_of(part, "name"), name_of(part, "value")));
+    }
+    outline.states.push_back(std::move(state));
+  }
+  outline.disabled = robot.children("disable_collisions").size();
+  outline.enabled = robot.children("enable_collisions").size();
+  for (const XmlEntry& entry : robot.children("disable_default_collisions")) {
+    outline.default_links.push_back(name_of(entry, "link"));
+  }
+  return outline;
 }
 
 }  // namespace trellis

@@ -17,8 +17,8 @@ constexpr const char* convert_mesh =
 constexpr const char* shapes =
     "; Trellis reads no such worlds: write them with world { ... }, which has boxes, spheres, cylinders and mesh "
     "\"FILE\"";
-constexpr const char* bodies =
-    "; Trellis reads no robots with joints from files: robot.arm makes planar arms, and robot.rigid takes meshes";
+constexpr const char* bodies = "; of robots with joints Trellis reads URDF files: robot.urdf(\"FILE.urdf\")";
+constexpr const char* moveit = "; scenes.load(\"FILE\", { robot = robot.urdf(\"FILE.urdf\") }) reads it with its robot";
 
 constexpr const char* points = "; an obstacle of a world: point_cloud { \"FILE\", radius = 0.01 }";
 
@@ -87,14 +87,16 @@ constexpr std::array<Signature, 21> roots = {{
 }};
 
 constexpr std::array<Signature, 35> endings = {{
-    {"urdf"sv, "a URDF, which describes the links and joints of a robot", bodies},
-    {"xacro"sv, "a xacro file, of which ROS makes a URDF", bodies},
-    {"srdf"sv, "an SRDF, which names groups of a robot's joints for MoveIt", bodies},
+    {"urdf"sv, "a URDF, which describes the links and joints of a robot",
+     "; robot.urdf(\"FILE.urdf\") reads it, and `trellis scene FILE.urdf` prints what is in it"},
+    {"xacro"sv, "a xacro file, of which ROS makes a URDF", "; expand it first: xacro FILE > robot.urdf"},
+    {"srdf"sv, "an SRDF, which names groups of a robot's joints for MoveIt",
+     "; robot.urdf(\"FILE.urdf\", { srdf = \"FILE.srdf\" }) reads it with its robot"},
     {"sdf"sv, "an SDF file, a world or a model of Gazebo", shapes},
     {"world"sv, "a world of Gazebo or Stage", shapes},
     {"wbt"sv, "a world of Webots", shapes},
     {"mjcf"sv, "a model of MuJoCo (MJCF)", shapes},
-    {"scene"sv, "a planning scene of MoveIt", shapes},
+    {"scene"sv, "a planning scene of MoveIt", moveit},
     {"gltf"sv, "a glTF file, which describes meshes for viewers", convert_mesh},
     {"glb"sv, "a binary glTF file, which describes meshes for viewers", convert_mesh},
     {"fbx"sv, "an FBX file, which describes meshes for viewers", convert_mesh},
@@ -174,7 +176,8 @@ std::string unread_keys(const SourceText& text) {
     return unread_ending("file.scene");
   }
   if (has("goal_constraints") || has("joint_state") || has("goal_queries") || has("start_queries")) {
-    return "it is a request to MoveIt; Trellis reads none: write start and goal in problem { ... }";
+    return "it is a request to MoveIt, which scenes.load reads beside its scene: load the scene, or write start and "
+           "goal in problem { ... }";
   }
   if (has("joint_limits")) return std::string("it is a file of joint limits for MoveIt") + bodies;
   if (has("mapFile") || has("agentFile")) {
@@ -209,6 +212,12 @@ std::string unread_xml(const SourceText& text) {
   for (std::size_t i = 0; i < std::min(most, text.lines.size()); ++i) head += text.lines[i] + '\n';
   const std::string_view root = root_of(head);
   return root.empty() || root == "svg" || root == "rlplan" ? "" : unread_root(text, root);
+}
+
+std::string known_xml(std::string_view root) {
+  const auto* const known =
+      std::find_if(roots.begin(), roots.end(), [&](const Signature& s) { return s.begin == root; });
+  return known == roots.end() ? "" : known->what;
 }
 
 std::string unread_text(const SourceText& text) {

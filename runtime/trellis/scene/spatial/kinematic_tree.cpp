@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <numbers>
 
 #include <trellis/base/error.hpp>
 
@@ -69,18 +69,55 @@ const char* to_string(Joint::Kind kind) {
 
 std::size_t Joint::width() const { return mimic ? 0 : width_of(kind); }
 
+bool Joint::limited() const { return kind == Kind::revolute || kind == Kind::prismatic; }
+
+bool Joint::plans() const { return width() > 0 && !locked && !(limited() && lo == hi); }
+
 KinematicTree::KinematicTree(std::string name, std::vector<Link> links, std::vector<Joint> joints)
     : name_(std::move(name)), links_(std::move(links)), joints_(std::move(joints)) {
   if (links_.empty()) throw Error(fmt::format("robot '{}' has no link", name_));
   if (links_.size() > most_links) {
     throw Error(fmt::format("robot '{}' has {} links; at most {} are possible", name_, links_.size(), most_links));
   }
+  resolve_chains();
   check_joints();
+  open_seams();
   order();
   body_of_.resize(links_.size());
   body_of_[base_] = base_;
   for (const Joint& joint : joints_) {
     body_of_[joint.child] = joint.kind == Joint::Kind::fixed ? body_of_[joint.parent] : joint.child;
+  }
+}
+
+void KinematicTree::resolve_chains() {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (!joints_[j].mimic) continue;
+    Joint::Mimic total = *joints_[j].mimic;
+    for (std::size_t passed = 0; total.joint < joints_.size() && joints_[total.joint].mimic; ++passed) {
+      const Joint::Mimic& next = *joints_[total.joint].mimic;
+      if (total.joint == j || passed == joints_.size()) {
+        throw TreeError(TreeError::Part::joint, j,
+                        fmt::format("joint '{}' follows '{}' in a cycle of joints that follow each other",
+                                    joints_[j].name, joints_[joints_[j].mimic->joint].name));
+      }
+      total = {next.joint, total.multiplier * next.multiplier, total.multiplier * next.offset + total.offset};
+    }
+    joints_[j].mimic = total;
+  }
+}
+
+void KinematicTree::open_seams() {
+  for (const Joint& joint : joints_) {
+    if (!joint.mimic) continue;
+    Joint& leader = joints_[joint.mimic->joint];
+    if (leader.kind != Joint::Kind::continuous) continue;
+    const double multiplier = joint.mimic->multiplier;
+    const bool turns = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::continuous;
+    if (multiplier == 0.0 || (turns && multiplier == std::round(multiplier))) continue;
+    leader.kind = Joint::Kind::revolute;
+    leader.lo = -std::numbers::pi;
+    leader.hi = std::numbers::pi;
   }
 }
 
@@ -92,18 +129,17 @@ void KinematicTree::check_joints() const {
     };
     if (joint.parent >= links_.size() || joint.child >= links_.size()) throw Fault("a joint of no link");
     if (!(std::abs(norm(joint.axis) - 1.0) < 1e-6)) fail("has an axis that is not of length 1");
-    const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
-    if (limited && (!std::isfinite(joint.lo) || !std::isfinite(joint.hi) || joint.lo > joint.hi)) {
+    if (joint.limited() && (!std::isfinite(joint.lo) || !std::isfinite(joint.hi) || joint.lo > joint.hi)) {
       fail(fmt::format("has limits from {:g} to {:g}", joint.lo, joint.hi));
     }
     if (!joint.mimic) continue;
     if (joint.mimic->joint >= joints_.size()) throw Fault("a joint that follows none");
     const Joint& leader = joints_[joint.mimic->joint];
-    if (leader.mimic) fail(fmt::format("follows '{}', which follows another joint itself", leader.name));
     if (width_of(leader.kind) != 1) fail(fmt::format("follows '{}', which is {}", leader.name, to_string(leader.kind)));
     if (width_of(joint.kind) != 1) fail(fmt::format("is {} and follows '{}'", to_string(joint.kind), leader.name));
-    if (!std::isfinite(joint.mimic->multiplier) || !std::isfinite(joint.mimic->offset)) {
-      fail("follows another with a number that is not finite");
+    if (!(std::abs(joint.mimic->multiplier) <= most_multiplier && std::abs(joint.mimic->offset) <= most_offset)) {
+      fail(fmt::format("follows '{}' by more than {:g} times, or from beyond {:g}", leader.name, most_multiplier,
+                       most_offset));
     }
   }
 }
@@ -241,15 +277,18 @@ Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving,
   }
   /// The value of a joint that does not move.
   const auto value_of = [&](std::size_t j) {
-    const Joint& joint = joints[j];
-    std::vector<double> value(width_of(joint.kind), 0.0);
-    const std::size_t from = joint.mimic ? joint.mimic->joint : j;
-    if (from < values.size() && !values[from].empty()) value = values[from];
-    if (joint.kind == Joint::Kind::floating && value == std::vector<double>(7, 0.0)) value[6] = 1.0;
-    if (joint.mimic) value[0] = joint.mimic->multiplier * value[0] + joint.mimic->offset;
-    const bool given = from < values.size() && !values[from].empty();
-    const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
-    if (!given && limited) value[0] = std::clamp(value[0], joint.lo, joint.hi);
+    const std::size_t from = joints[j].mimic ? joints[j].mimic->joint : j;
+    const Joint& leader = joints[from];
+    std::vector<double> value(width_of(leader.kind), 0.0);
+    if (from < values.size() && !values[from].empty()) {
+      value = values[from];
+    } else if (leader.kind == Joint::Kind::floating) {
+      value[6] = 1.0;
+    } else if (leader.limited()) {
+      value[0] = std::clamp(0.0, leader.lo, leader.hi);
+    }
+    // Its own limits do not bind a follower, as in MoveIt.
+    if (const auto& mimic = joints[j].mimic) value[0] = mimic->multiplier * value[0] + mimic->offset;
     return value;
   };
 

@@ -46,9 +46,14 @@ struct Joint {
   double lo = 0.0;              ///< lower limit, radians or metres
   double hi = 0.0;              ///< upper limit
   std::optional<Mimic> mimic = {};
+  bool locked = false;  ///< it stays where it is: its file does not say how far it moves
 
   /// The number of its coordinates: 0 where it is fixed or follows another.
   [[nodiscard]] std::size_t width() const;
+  /// Whether it has limits: a revolute or a prismatic joint.
+  [[nodiscard]] bool limited() const;
+  /// Whether a planner can move it: it has coordinates, is not locked, and its limits are not one value.
+  [[nodiscard]] bool plans() const;
 };
 
 /// Two directions across an axis, such that the three are right-handed; x and y for the axis z. A planar joint slides
@@ -72,10 +77,15 @@ class TreeError : public Error {
 class KinematicTree {
  public:
   static constexpr std::size_t most_links = 1000;
+  static constexpr double most_multiplier = 1e3;  ///< of a joint that follows another
+  static constexpr double most_offset = 1e5;      ///< of a joint that follows another
 
-  /// Checks that the joints make one tree of all links, and orders them from the base.
-  /// \throws TreeError that names the link or the joint: two parents, a cycle, several bases, a mimic chain,
-  ///     limits that are not finite or in order, an axis that is not of norm 1
+  /// Checks that the joints make one tree of all links, and orders them from the base. A joint that follows a follower
+  /// follows the leader of both. A continuous joint with a follower that is elsewhere after a whole turn (a slide, or
+  /// a multiplier that is no integer) becomes a revolute one with limits of -pi and pi: its two ends are no one
+  /// configuration.
+  /// \throws TreeError that names the link or the joint: two parents, a cycle, several bases, a joint that follows
+  ///     itself, limits that are not finite or in order, an axis that is not of norm 1
   KinematicTree(std::string name, std::vector<Link> links, std::vector<Joint> joints);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -94,6 +104,8 @@ class KinematicTree {
 
  private:
   void order();
+  void resolve_chains();
+  void open_seams();
   /// Returns a joint on a cycle.
   /// \param carries  for each link the joint whose child it is
   /// \param link     on a cycle, or carried by one

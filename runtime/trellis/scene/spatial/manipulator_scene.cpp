@@ -558,7 +558,7 @@ SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<
   std::vector<std::size_t> moving;
   for (std::size_t j = 0; j < tree.joints().size(); ++j) {
     // A base that moves changes no distance between links.
-    if (tree.joints()[j].width() == 1) moving.push_back(j);
+    if (tree.joints()[j].width() == 1 && tree.joints()[j].plans()) moving.push_back(j);
   }
   if (moving.empty()) return {};
   const Manipulator robot(tree, moving);
@@ -602,9 +602,8 @@ SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<
   for (int k = 0; k < samples && !left.empty(); ++k) {
     for (std::size_t c = 0; c < moving.size(); ++c) {
       const Joint& joint = tree.joints()[moving[c]];
-      const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
-      const double lo = limited ? joint.lo : -std::numbers::pi;
-      const double hi = limited ? joint.hi : std::numbers::pi;
+      const double lo = joint.limited() ? joint.lo : -std::numbers::pi;
+      const double hi = joint.limited() ? joint.hi : std::numbers::pi;
       q[c] = lo + stream.uniform() * (hi - lo);
     }
     robot.poses(q, bodies);
