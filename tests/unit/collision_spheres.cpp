@@ -118,11 +118,11 @@ TEST_CASE("starts and goals of the Panda's problems are valid", "[collision][rob
     if (path.find("_scene") == std::string::npos) continue;
     INFO(path);
     const MoveitFile file = read_moveit(path, robot);
-    const auto scene = std::make_shared<ManipulatorScene>(file.world, robot);
+    const auto scene = std::make_shared<ManipulatorScene>(file.world, file.robot);
     const auto checker = make_checker("spheres", scene, scene->default_space(1.0), 0.05);
     ++count;
     CHECK(checker->valid(file.start));
-    CHECK(checker->valid(file.goal));
+    CHECK(checker->valid(file.goals.at(0)));
   }
   CHECK(count == 7);
 }
@@ -142,7 +142,7 @@ TEST_CASE("scenes of robowflex are read with their requests", "[collision][robot
     INFO("scene " << i);
     CHECK(file.world.obstacles().size() == 7);
     CHECK(file.start.size() == 8);
-    CHECK(file.goal.size() == 8);
+    CHECK(file.goals.at(0).size() == 8);
   }
 }
 

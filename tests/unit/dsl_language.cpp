@@ -203,7 +203,7 @@ TEST_CASE("scenes.load names its problems, and what it finds in files is a warni
   CHECK(names("'yard.map.scen', { name = 'yards' }") == std::vector<std::string>{"yards/1", "yards/2"});
   const std::vector<std::string> warnings = session.take_warnings();
   REQUIRE(warnings.size() == 2);
-  CHECK(warnings[0].find("scenes.load: map.yaml: line 7: the key 'map_type' has no influence") == 0);
+  CHECK(warnings[0].ends_with("map.yaml:7: 'map_type' is not read"));
   CHECK(warnings[1] == "scenes.load: yard.map.scen: 1 cells of water (W) are obstacles");
   const auto fault = [&](const std::string& call) {
     try {

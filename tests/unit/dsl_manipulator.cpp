@@ -132,6 +132,38 @@ TEST_CASE("mistakes about robots of URDF files are answered with the nearest nam
   CHECK_THAT(files.failure(blocked), Contains("lamp") && Contains("start"));
 }
 
+TEST_CASE("robot.urdf takes folders of packages, soft limits, and leaves missing meshes out") {
+  const test::Folder folder;
+  static_cast<void>(folder.write(
+      "arm.urdf",
+      "<robot name=\"arm\"><link name=\"a\"/><link name=\"b\"><collision><geometry><mesh "
+      "filename=\"package://hand/tip.obj\"/></geometry></collision></link><joint name=\"j\" type=\"revolute\"><parent "
+      "link=\"a\"/><child link=\"b\"/><limit lower=\"-1\" upper=\"1\"/><safety_controller soft_lower_limit=\"-0.5\" "
+      "soft_upper_limit=\"0.5\"/></joint></robot>"));
+  static_cast<void>(
+      folder.write("other/tip.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"));
+  const auto values = [&](const std::string& script) {
+    return dsl::Session(folder.path().string()).evaluate(script, "test.lua");
+  };
+  const auto failure = [&](const std::string& script) {
+    return test::fault_of([&] { static_cast<void>(values(script)); });
+  };
+  CHECK_THAT(failure("robot.urdf('arm.urdf')"), Contains("packages = { hand = \"FOLDER\" }"));
+  CHECK(values("return robot.urdf('arm.urdf', { missing_meshes = 'leave_out' }).bounding_radius").front() == "0.0");
+  CHECK(values("return robot.urdf('arm.urdf', { packages = { hand = 'other' } }).bounding_radius > 1").front() ==
+        "true");
+  CHECK_THAT(failure("robot.urdf('arm.urdf', { packages = { hand = 'nowhere' } })"), Contains("no folder 'nowhere'"));
+  CHECK_THAT(failure("robot.urdf('arm.urdf', { packages = { hand = '/' } })"),
+             Contains("neither in the script's folder"));
+  CHECK_THAT(failure("robot.urdf('arm.urdf', { packages = {'other'} })"),
+             Contains("field 'packages' must be a table") && Contains("got a list"));
+  const std::string problem =
+      "return problem { world = world { bounds = {-2, -2, -2, 2, 2, 2}, contain = 'none' }, start = {0}, goal = {0.9}, "
+      "robot = robot.urdf('arm.urdf', { missing_meshes = 'leave_out', soft_limits = ";
+  CHECK(failure(problem + "false }) }").empty());
+  CHECK_THAT(failure(problem + "true }) }"), Contains("0.5"));
+}
+
 TEST_CASE("a planning scene of MoveIt is a problem of a robot of links") {
   const std::string folder = test::scene("vamp_mbm").string();
   if (folder.empty()) return;
@@ -156,4 +188,38 @@ TEST_CASE("a planning scene of MoveIt is a problem of a robot of links") {
   };
   CHECK_THAT(refused(""), Contains("names its robot and does not contain it: give robot = robot.urdf("));
   CHECK_THAT(refused(", { robot = robot.disc(1) }"), Contains("a robot of a URDF file moves"));
+}
+
+TEST_CASE("scenes.load leaves out the parts of a scene of MoveIt that `ignore` names") {
+  const test::Folder folder;
+  folder.write(
+      "arm.urdf",
+      "<robot name='arm'><link name='base'/><link name='tip'><collision><geometry><sphere radius='0.1'/></geometry>"
+      "</collision></link><joint name='turn' type='continuous'><parent link='base'/><child link='tip'/><axis "
+      "xyz='0 0 1'/></joint></robot>");
+  folder.write("scene.yaml",
+               "world:\n  collision_objects: []\n  octomap: {octomap: {id: OcTree, data: [1]}}\nother: 1\n");
+  folder.write("again.yaml",
+               "world:\n  collision_objects: []\n  octomap: {octomap: {id: OcTree, data: [1]}}\nother: 1\n");
+  dsl::Session session(folder.path());
+  const auto load = [&](const std::string& file, const std::string& options) {
+    return test::fault_of([&] {
+      static_cast<void>(session.problems("return scenes.load('" + file +
+                                             "', { robot = robot.urdf('arm.urdf'), start = {0}, "
+                                             "goal = {1}" +
+                                             options + " })",
+                                         "t.lua"));
+    });
+  };
+  CHECK_THAT(load("scene.yaml", ""),
+             Contains("scene.yaml:3: an octomap is not read") && Contains("ignore = { \"octomap\" }"));
+  CHECK_THAT(load("scene.yaml", ", ignore = { 'octomp' }"), Contains("did you mean 'octomap'?"));
+  CHECK_THAT(load("scene.yaml", ", ignore = 'octomap'"), Contains("option 'ignore' must be a list of names"));
+  CHECK(load("scene.yaml", ", ignore = { 'octomap' }").empty());
+  CHECK(load("again.yaml", ", ignore = { 'octomap' }").empty());
+  // What both files say is there once.
+  const std::vector<std::string> warnings = session.take_warnings();
+  REQUIRE(warnings.size() == 2);
+  CHECK_THAT(warnings[0], Contains("an octomap is not read") && Contains("(and in 1 more file)"));
+  CHECK_THAT(warnings[1], Contains("scene.yaml:4: 'other' is not read (and in 1 more file)"));
 }

@@ -340,8 +340,8 @@ TEST_CASE("further keys of a map of ROS are a warning each", "[reader][ros]") {
   const SceneFile file =
       read_scene(written(folder, "map.yaml", ros_map + "map_type: occupancy\nunknown_thresh: 0.2\n"), {});
   REQUIRE(file.warnings.size() == 2);
-  CHECK_THAT(file.warnings[0], Contains("line 7: the key 'map_type' has no influence; those of a map are image,"));
-  CHECK_THAT(file.warnings[1], Contains("line 8: the key 'unknown_thresh'"));
+  CHECK_THAT(file.warnings[0], Contains("map.yaml:7: 'map_type' is not read"));
+  CHECK_THAT(file.warnings[1], Contains("map.yaml:8: 'unknown_thresh' is not read"));
   // A word alone, as some tools write the mode, is no key of YAML.
   CHECK(read_scene(written(folder, "map.yaml", ros_map + "trinary: true\n"), {}).warnings.size() == 1);
 }
@@ -557,12 +557,9 @@ TEST_CASE("a file of a format that is known and not read is named", "[reader][un
             "world { ... }"},
            {"room.wbt", "#VRML_SIM R2023a utf8\nWorldInfo {\n}\n", "it is a world of Webots", "world { ... }"},
            {"arm.xml", "<mujoco model=\"a\"/>", "it is a model of MuJoCo", "world { ... }"},
-           {"table.scene", "(noname)+\n* Box_0\n1\nbox\n1 1 1\n", "it is a planning scene of MoveIt",
-            "robot = robot.urdf("},
-           {"table.yaml", "name: a\nworld:\n  collision_objects:\n    - id: Box\n", "it is a planning scene of MoveIt",
-            "scenes.load"},
+           {"table.yaml", "robot_model_name: a\nother: 1\n", "it is a planning scene of MoveIt", "collision_objects"},
            {"query.yaml", "start_state:\n  joint_state:\n    position: [0]\n", "it is a request to MoveIt",
-            "problem { ... }"},
+            "scenes.load("},
            {"room.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": []}", "it is a glTF file", "assimp export"},
            {"room.glb", std::string("glTF\2\0\0\0", 8), "it is a binary glTF file",
             ".stl, .obj, .ply, .off, .g and .dae"},

@@ -349,6 +349,8 @@ TEST_CASE("meshes of a package are found in that package alone", "[reader][robot
   static_cast<void>(folder.write("renamed/meshes/base.obj", plate));
   const std::string tool = folder.write("renamed/urdf/tool.urdf", mesh("package://tool/meshes/base.obj"));
   CHECK(found_in(read_urdf(tool)) == "renamed/meshes/base.obj");
+  const std::string third = folder.write("arm_description/urdf/third.urdf", mesh("package:///gripper/meshes/base.obj"));
+  CHECK(found_in(read_urdf(third)) == "gripper/meshes/base.obj");
   // The option comes first, and nothing else counts then.
   static_cast<void>(folder.write("elsewhere/meshes/base.obj", plate));
   CHECK(found_in(read_urdf(urdf, {.packages = {{"gripper", folder.file("elsewhere")}}})) ==
@@ -505,7 +507,7 @@ TEST_CASE("a faulty group or state of a SRDF file is left out, unless it is aske
   CHECK_THAT(warning_with(arm.warnings, "second group"), Contains("robot.srdf:4: "));
   CHECK_THAT(warning_with(arm.warnings, "no group 'bad'"),
              Contains("robot.srdf:5: ") && Contains("the state is left out"));
-  CHECK_THAT(warning_with(arm.warnings, "'thumb'"), Contains("robot.srdf:6: "));
+  CHECK_THAT(warning_with(arm.warnings, "'thumb'"), Contains("robot.srdf:6: ") && Contains("the value is left out"));
   CHECK_THAT(moving(chain, text, of_group("bad")).fault, Contains("robot.srdf:3: the robot has no joint 'finger'"));
   CHECK_THAT(moving(chain, text, of_group("good")).fault, Contains("robot.srdf:4: a second group is called 'good'"));
 }

@@ -168,9 +168,9 @@ class RobotReport {
       line("state", fmt::format("{} of {}: {}", state.name, state.group, fmt::join(state.of, ", ")));
     }
     if (srdf_) {
-      line("pairs", fmt::format("{} pairs of links may touch", srdf_->disabled.size()));
+      line("pairs", fmt::format("{} of links that may touch", srdf_->disabled.size()));
     } else {
-      std::string value = fmt::format("{} pairs of links may touch", outline_->disabled);
+      std::string value = fmt::format("{} of links that may touch", outline_->disabled);
       if (!outline_->default_links.empty()) {
         value += fmt::format(", and all of {} but for {} pairs", fmt::join(outline_->default_links, ", "),
                              outline_->enabled);
@@ -199,8 +199,21 @@ class RobotReport {
   /// How a script reads the robot.
   [[nodiscard]] std::string use() const {
     const std::string urdf = urdf_ ? fs::path(urdf_path_).filename().string() : "FILE.urdf";
-    if (!outline_) return fmt::format("robot.urdf(\"{}\")", urdf);
-    // The group with most joints that can be read.
+    std::vector<std::string> options;
+    if (outline_) options.push_back(fmt::format("srdf = \"{}\"", fs::path(srdf_path_).filename().string()));
+    if (const std::string group = largest_group(); !group.empty()) {
+      options.push_back(fmt::format("group = \"{}\"", group));
+    }
+    const bool missing = urdf_ && std::any_of(urdf_->meshes.begin(), urdf_->meshes.end(),
+                                              [](const UrdfFile::MeshUse& mesh) { return mesh.path.empty(); });
+    if (missing) options.emplace_back("missing_meshes = \"leave_out\"");
+    if (options.empty()) return fmt::format("robot.urdf(\"{}\")", urdf);
+    return fmt::format("robot.urdf(\"{}\", {{ {} }})", urdf, fmt::join(options, ", "));
+  }
+
+  /// The group with most joints, without the robot the first; "" without groups.
+  [[nodiscard]] std::string largest_group() const {
+    if (!outline_) return "";
     std::string group = outline_->groups.empty() ? "" : outline_->groups.front().name;
     std::size_t most = 0;
     for (const SrdfFile::Group& one : srdf_ ? srdf_->groups : std::vector<SrdfFile::Group>{}) {
@@ -208,8 +221,7 @@ class RobotReport {
       most = one.joints.size();
       group = one.name;
     }
-    return fmt::format("robot.urdf(\"{}\", {{ srdf = \"{}\"{} }})", urdf, fs::path(srdf_path_).filename().string(),
-                       group.empty() ? "" : fmt::format(", group = \"{}\"", group));
+    return group;
   }
 
   std::string shown_;

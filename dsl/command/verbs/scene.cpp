@@ -298,7 +298,7 @@ class Report {
     line("bounds", bounds_text(bounds_of(scene)));
     if (const World3* world = spatial_world(scene)) line("contain", contained(*world));
     line("obstacles", obstacles_text(scene));
-    line("robot", robot_text(scene, problem.space));
+    line("robot", file_.robot.empty() ? robot_text(scene, problem.space) : file_.robot);
     if (problem.motion_model) line("motion", problem.motion_model->name());
     line("start", end_text(look.start));
     line("goal", problem.goals.empty() && problem.reach ? region_text(problem) : end_text(look.goal));
@@ -319,7 +319,7 @@ class Report {
       const Problem& problem = file_.problems[i];
       Json one = {{"name", problem.name},
                   {"space", problem.space.name()},
-                  {"robot", problem.scene->robot_name()},
+                  {"robot", file_.robot.empty() ? Json(problem.scene->robot_name()) : Json(nullptr)},
                   {"motion", problem.motion_model ? Json(problem.motion_model->name()) : Json(nullptr)},
                   {"start", end_json(looks_[i].start)},
                   {"goal", end_json(looks_[i].goal)}};
@@ -549,6 +549,7 @@ int scene(const SceneOptions& options) {
   if (!options.unit.empty()) throw Error(fmt::format("--unit: {} is no mesh", options.file));
   if (print_robot(path, options)) return success;
   ReadOptions read;
+  read.describe = true;
   if (!options.robot.empty()) {
     const std::string robot = dsl::find_scene(options.robot, "");
     if (robot.empty()) throw Error("--robot: " + dsl::missing_scene(options.robot, ""));

@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <dsl/language/core/script_place.hpp>
@@ -577,7 +578,11 @@ std::vector<Field> load_fields() {
       {"start", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
        "the start, in place of the file's or where it has none"},
       {"goal", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
-       "the goal, in place of the file's or where it has none"}};
+       "the goal, in place of the file's or where it has none"},
+      {"ignore", "string[]", "a list of parts of a scene of MoveIt, as { \"octomap\" }",
+       "parts that are left out, which are errors otherwise, because other configurations are valid without them: "
+       "octomap, path_constraints, trajectory_constraints, allowed_collision_matrix (its entries of a link and an "
+       "object)"}};
 }
 
 }  // namespace
@@ -727,6 +732,22 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
       }
     });
   };
+  if (const Value value = call[2].field("ignore"); value.given()) {
+    faults.attempt([&] {
+      if (value.type() != lua::Type::table) {
+        throw Error(fmt::format("scenes.load: option 'ignore' must be a list of names, as {{ \"octomap\" }}, got {}",
+                                describe(value)));
+      }
+      value.each([&](std::size_t i, Value entry) {
+        const auto part = entry.string();
+        if (!part) {
+          throw Error(
+              fmt::format("scenes.load: entry {} of option 'ignore' must be a name, got {}", i, describe(entry)));
+        }
+        options.ignore.push_back(*part);
+      });
+    });
+  }
   read_end("start", options.start, options.start_pose);
   read_end("goal", options.goal, options.goal_pose);
   faults.raise();
@@ -737,14 +758,41 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
 
 namespace {
 
-void add_warning(std::string warning, std::vector<std::string>& warnings) {
-  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
-}
+/// Warnings about files. Those that several files share, as in a benchmark, are there once, with the number of files.
+class FileWarnings {
+ public:
+  explicit FileWarnings(std::shared_ptr<std::vector<std::string>> list) : list_(std::move(list)) {}
+
+  /// \param place  "FILE" or "FILE:LINE"
+  void add(const std::string& place, const std::string& text) {
+    if (list_->empty()) shared_.clear();  // they were taken
+    const auto [found, first] = shared_.try_emplace(text);
+    Shared& shared = found->second;
+    if (!shared.places.insert(place).second) return;
+    if (first) {
+      shared.number = list_->size();
+      list_->push_back(fmt::format("scenes.load: {}: {}", place, text));
+      shared.alone = list_->back();
+      return;
+    }
+    const std::size_t more = shared.places.size() - 1;
+    list_->at(shared.number) = fmt::format("{} (and in {} more file{})", shared.alone, more, more == 1 ? "" : "s");
+  }
+
+ private:
+  struct Shared {
+    std::size_t number = 0;  ///< in the list
+    std::string alone;       ///< the warning about the first file
+    std::set<std::string> places;
+  };
+  std::shared_ptr<std::vector<std::string>> list_;
+  std::map<std::string, Shared> shared_;
+};
 
 }  // namespace
 
 lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::string>> warnings) {
-  return [place = std::move(place), warnings = std::move(warnings)](Stack& call) {
+  return [place = std::move(place), warnings = std::make_shared<FileWarnings>(std::move(warnings))](Stack& call) {
     const std::string file = file_argument(call, "scenes.load");
     const std::string path = scene_path("scenes.load", file, place);
     std::vector<Options::Entry> given;
@@ -763,9 +811,13 @@ lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::s
     std::vector<std::string> found;
     auto problems = read_problems(path, options, &found);
     for (const std::string& warning : found) {
-      // Those of the files that a scene names begin with their paths.
-      const bool placed = is_file(warning.substr(0, warning.find(':')));
-      add_warning(fmt::format("scenes.load: {}{}", placed ? "" : file + ": ", warning), *warnings);
+      // Those of the files that a scene names begin with their paths, and may have lines.
+      std::size_t colon = warning.find(':');
+      const bool placed = colon != std::string::npos && is_file(warning.substr(0, colon));
+      const std::size_t digits = placed ? warning.find_first_not_of("0123456789", colon + 1) : 0;
+      if (placed && digits != std::string::npos && digits > colon + 1 && warning[digits] == ':') colon = digits;
+      const std::size_t text = placed ? warning.find_first_not_of(' ', colon + 1) : 0;
+      warnings->add(placed ? warning.substr(0, colon) : file, text == std::string::npos ? "" : warning.substr(text));
     }
     const Value list = call.push_table();
     std::size_t count = 0;

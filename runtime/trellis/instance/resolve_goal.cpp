@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -68,18 +69,18 @@ void resolve_goal(Problem& problem) {
   for (std::size_t i = 0; i < std::min(all.size(), most_goals); ++i) problem.goals.push_back(all[i].second);
 }
 
-std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
-                                             double turn) {
+namespace {
+
+/// Returns valid configurations that `bring` finds from the start and from samples: at most ten, the nearest to the
+/// start first.
+/// \param link   in messages
+/// \param bring  moves a configuration until it is a goal; false where it fails
+std::vector<Configuration> goals_of(const Problem& problem, std::size_t link,
+                                    const std::function<bool(MutableView)>& bring) {
   constexpr int tries = 2000;
   constexpr std::size_t most_goals = 10;
   constexpr double distinct = 0.05;  // metres in the metric between two goals
-  const ManipulatorScene& scene = *problem.scene->manipulator();
-  const SphereModel& robot = scene.robot;
-  const Pose3& in_body = robot.robot().pose_in_body(link);
-  const PointOnBody point{robot.robot().body_of(link), in_body.position};
-  const Pose3 wanted{target.position, target.orientation * in_body.orientation.inverse()};
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
-  ManipulatorKinematics kinematics(robot, problem.space, point);
   Stream stream(0, problem.name, "goal");
   std::vector<std::pair<double, Configuration>> found;  // with the distance from the start
   Configuration q(problem.space.dimension());
@@ -91,8 +92,7 @@ std::vector<Configuration> configurations_at(const Problem& problem, std::size_t
     } else {
       problem.space.sample_uniform(stream, q);
     }
-    // Half of the tolerance is left for rounding.
-    if (!kinematics.bring(q, wanted, 0.5 * near, 0.5 * turn)) continue;
+    if (!bring(q)) continue;
     ++reached;
     if (!checker->valid(q)) continue;
     const bool known = std::any_of(found.begin(), found.end(),
@@ -101,13 +101,34 @@ std::vector<Configuration> configurations_at(const Problem& problem, std::size_t
   }
   if (found.empty()) {
     throw Error(fmt::format("problem '{}': {} of {} starts of inverse kinematics bring link '{}' to its goal, and {}",
-                            problem.name, reached, tries, robot.robot().tree().links()[link].name,
+                            problem.name, reached, tries,
+                            problem.scene->manipulator()->robot.robot().tree().links()[link].name,
                             reached == 0 ? "so it is likely out of reach" : "each of them touches something"));
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Configuration> goals;
   for (std::size_t i = 0; i < std::min(found.size(), most_goals); ++i) goals.push_back(found[i].second);
   return goals;
+}
+
+}  // namespace
+
+std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
+                                             double turn) {
+  const SphereModel& robot = problem.scene->manipulator()->robot;
+  const Pose3& in_body = robot.robot().pose_in_body(link);
+  const Pose3 wanted{target.position, target.orientation * in_body.orientation.inverse()};
+  ManipulatorKinematics kinematics(robot, problem.space, {robot.robot().body_of(link), in_body.position});
+  // Half of the tolerance is left for rounding.
+  return goals_of(problem, link, [&](MutableView q) { return kinematics.bring(q, wanted, 0.5 * near, 0.5 * turn); });
+}
+
+std::vector<Configuration> configurations_near(const Problem& problem, std::size_t link, const Vec3& point,
+                                               const Vec3& target, double near) {
+  const SphereModel& robot = problem.scene->manipulator()->robot;
+  ManipulatorKinematics kinematics(robot, problem.space,
+                                   {robot.robot().body_of(link), robot.robot().pose_in_body(link)(point)});
+  return goals_of(problem, link, [&](MutableView q) { return kinematics.bring(q, target, 0.5 * near); });
 }
 
 }  // namespace trellis

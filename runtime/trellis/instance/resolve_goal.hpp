@@ -27,4 +27,10 @@ bool reaches(const Robot& robot, const Reach& reach, View q);
 std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
                                              double turn);
 
+/// The same for a point of a link, whatever the link's orientation.
+/// \param point   in the link's frame
+/// \param target  where it is to be in the world
+std::vector<Configuration> configurations_near(const Problem& problem, std::size_t link, const Vec3& point,
+                                               const Vec3& target, double near);
+
 }  // namespace trellis

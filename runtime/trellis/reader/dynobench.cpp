@@ -196,7 +196,13 @@ SceneFile read_dynobench(const SourceText& text, const ReadOptions& options) {
   problem.space.normalise(goal);
   problem.start = std::move(start);
   problem.goals = {std::move(goal)};
-  return {"dynobench", "metres, radians", "as in the file", {std::move(problem)}};
+  SceneFile scene_file{"dynobench", "metres, radians", "as in the file", {std::move(problem)}};
+  const auto robots = file.at("robots").list();
+  if (robots.size() > 1) scene_file.warnings.push_back(fmt::format("the first of {} robots is read", robots.size()));
+  for (std::size_t i = 1; i < robots.size(); ++i) robots[i].know();
+  file.know({"name"});
+  for (std::string& warning : unused_warnings(text, file.unused())) scene_file.warnings.push_back(std::move(warning));
+  return scene_file;
 }
 
 }  // namespace trellis

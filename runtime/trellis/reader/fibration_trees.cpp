@@ -142,6 +142,7 @@ SceneFile read_fibration_trees(const SourceText& text, const ReadOptions& option
   if (ends.at("goal").has("threshold")) {
     scene.warnings.emplace_back("the goal has a threshold; here it is the configuration itself");
   }
+  for (std::string& warning : unused_warnings(text, file.unused())) scene.warnings.push_back(std::move(warning));
   Problem problem = problem_in(stem_of(text.path),
                                std::make_shared<PlanarScene>(World(bounds, std::move(obstacles)),
                                                              robots.size() == 1 ? robots.front() : Robot::team(robots)),

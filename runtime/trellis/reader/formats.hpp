@@ -97,10 +97,13 @@ SceneFile read_barn(const SourceText& text, const ReadOptions& options);
 bool is_svg(const SourceText& text);
 SceneFile read_svg(const SourceText& text, const ReadOptions& options);
 
-/// Whether the text is YAML with the key `image`, and with `resolution` or `occupied_thresh`.
-/// A planning scene of MoveIt as YAML. \throws Error where the options have no robot
+/// Whether the text is YAML with keys of a planning scene of MoveIt.
 bool is_moveit_scene(const SourceText& text);
+/// Whether the text is a planning scene of MoveIt as RViz exports it: a name, and objects that begin with a star.
+bool is_moveit_text(const SourceText& text);
+/// Reads both formats. \throws Error where the options have no robot and do not describe the file alone
 SceneFile read_moveit_scene(const SourceText& text, const ReadOptions& options);
+/// Whether the text is YAML with the key `image`, and with `resolution` or `occupied_thresh`.
 bool is_ros_map(const SourceText& text);
 SceneFile read_ros_map(const SourceText& text, const ReadOptions& options);
 

@@ -260,7 +260,8 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
                     "is valid; values = {{ JOINT = VALUE }} places these joints",
                     files.urdf, tree.links()[standing->first].name, tree.links()[standing->second].name));
   }
-  return srdf ? model.with_states(states_of(*srdf, files.group, robot)) : model;
+  if (!srdf) return model;
+  return model.with_states(states_of(*srdf, files.group, robot)).with_world_frame(srdf->world_frame);
 }
 
 }  // namespace trellis

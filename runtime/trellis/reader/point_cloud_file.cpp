@@ -2,6 +2,7 @@
 #include <trellis/reader/point_cloud_file.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -44,6 +45,83 @@ const Format* format_of(const std::string& path) {
   return format == formats.end() ? nullptr : format;
 }
 
+/// Splits a row of a text at semicolons, else at commas, else at blanks. Rows that separate by several of them are
+/// split at all.
+void split_row(std::string_view line, std::vector<std::string_view>& cells) {
+  constexpr std::string_view space = " \t";
+  const auto trimmed = [&](std::string_view cell) {
+    const std::size_t begin = cell.find_first_not_of(space);
+    return begin == std::string_view::npos ? std::string_view()
+                                           : cell.substr(begin, cell.find_last_not_of(space) + 1 - begin);
+  };
+  cells.clear();
+  const char mark = line.find(';') != std::string_view::npos   ? ';'
+                    : line.find(',') != std::string_view::npos ? ','
+                                                               : ' ';
+  bool several = mark == ' ';
+  std::string_view rest = trimmed(line);
+  while (!several) {
+    const std::size_t end = rest.find(mark);
+    cells.push_back(trimmed(rest.substr(0, end)));
+    several = cells.back().find_first_of(" \t,") != std::string_view::npos;
+    if (end == std::string_view::npos) break;
+    rest.remove_prefix(end + 1);
+  }
+  if (!several) return;
+  cells.clear();
+  rest = line;
+  while (true) {
+    rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(" \t,;")));
+    if (rest.empty()) return;
+    const std::size_t end = std::min(rest.size(), rest.find_first_of(" \t,;"));
+    cells.push_back(rest.substr(0, end));
+    rest.remove_prefix(end);
+  }
+}
+
+/// Returns the columns of x, y and z that a header names.
+/// \param warnings  receives the names of the other columns
+std::array<std::size_t, 3> named_columns(const MeshSource& source, std::size_t line,
+                                         const std::vector<std::string_view>& cells,
+                                         std::vector<std::string>& warnings) {
+  std::array<std::size_t, 3> columns{};
+  std::array<bool, 3> found{};
+  std::vector<std::string> names;
+  std::vector<std::string> others;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    std::string name(cells[i]);
+    if (i == 0 && name.starts_with("//")) name.erase(0, 2);  // as CloudCompare writes it
+    if (name.size() > 1 && name.front() == name.back() && (name.front() == '"' || name.front() == '\'')) {
+      name = name.substr(1, name.size() - 2);
+    }
+    if (name.empty()) continue;
+    std::string lower = name;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    constexpr std::array<std::array<std::string_view, 2>, 3> axes = {
+        {{"x", "points:0"}, {"y", "points:1"}, {"z", "points:2"}}};  // those of ParaView
+    bool axis = false;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+      if (lower != axes.at(k)[0] && lower != axes.at(k)[1]) continue;
+      axis = true;
+      if (found.at(k)) throw source.error(line, fmt::format("two columns are called {}", in_quotes(name)));
+      found.at(k) = true;
+      columns.at(k) = i;
+    }
+    names.push_back(in_quotes(name));
+    if (!axis) others.push_back(in_quotes(name));
+  }
+  if (!found[0] || !found[1] || !found[2]) {
+    throw source.error(line,
+                       fmt::format("the first line names the columns {}: a cloud has columns x, y and z, in metres",
+                                   fmt::join(names, ", ")));
+  }
+  if (!others.empty()) {
+    warnings.push_back(fmt::format("{}:{}: column{} {} {} not read", source.path, line, others.size() == 1 ? "" : "s",
+                                   fmt::join(others, ", "), others.size() == 1 ? "is" : "are"));
+  }
+  return columns;
+}
+
 }  // namespace
 
 void PointSink::check_limit(double count, std::size_t line) const {
@@ -78,29 +156,36 @@ void PointSink::add(const Vec3& given, std::size_t line) {
 void read_xyz(const MeshSource& source, PointSink& sink) {
   sink.format = "points as text";
   Lines lines(source.text);
-  std::string line;
+  std::array<std::size_t, 3> columns = {0, 1, 2};
   bool first = true;
+  bool headed = false;
+  bool more = false;
+  std::vector<std::string_view> cells;
   while (lines.next_filled()) {
-    line.assign(lines.here);
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
-    std::string_view rest = line;
-    std::array<double, 3> p{};
-    std::size_t count = 0;
-    std::string_view word;
-    while (count < p.size()) {
-      word = take_word(rest);
-      const auto value = number_in(word);
-      if (!value) break;
-      p[count++] = *value;
-    }
+    split_row(lines.here, cells);
+    const bool begins = std::exchange(first, false);
     // The first line may name the columns, or be the number of points.
-    const bool heading = first && (count == 0 || (count == 1 && word.empty()));
-    first = false;
-    if (heading) continue;
-    if (count < p.size()) {
-      throw source.error(lines.number(),
-                         fmt::format("a point needs three numbers, got {}", word.empty() ? "fewer" : in_quotes(word)));
+    if (begins && cells.size() == 1 && number_in(cells.front())) continue;
+    if (begins && !number_in(cells.front())) {
+      columns = named_columns(source, lines.number(), cells, sink.warnings);
+      headed = true;
+      continue;
+    }
+    if (!headed && cells.size() > 3 && !std::exchange(more, true)) {
+      sink.warnings.push_back(
+          fmt::format("{}:{}: the line has {} columns and none has a name: the first three are x, y "
+                      "and z; a first line as `id,x,y,z` would name them",
+                      source.path, lines.number(), cells.size()));
+    }
+    std::array<double, 3> p{};
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      const std::string_view cell = columns.at(k) < cells.size() ? cells[columns.at(k)] : std::string_view();
+      const auto value = number_in(cell);
+      if (!value) {
+        throw source.error(lines.number(), fmt::format("a point needs three numbers, got {}",
+                                                       cell.empty() ? std::string("fewer") : in_quotes(cell)));
+      }
+      p.at(k) = *value;
     }
     sink.add({p[0], p[1], p[2]}, lines.number());
   }
@@ -130,7 +215,7 @@ PointCloudFile read_point_cloud(const std::string& path, const PointCloudOptions
   if (source.text.starts_with(byte_order_mark)) source.text.erase(0, byte_order_mark.size());
   PointSink sink(source, options.skip_nan);
   format->read(source, sink);
-  PointCloudFile read{std::move(sink.points()), sink.format, sink.skipped(), {}};
+  PointCloudFile read{std::move(sink.points()), sink.format, sink.skipped(), std::move(sink.warnings)};
   if (read.points.empty()) {
     throw source.error(0, read.skipped == 0
                               ? "it has no points"

@@ -26,8 +26,8 @@ struct PointCloudFile {
 const std::vector<std::string>& point_cloud_endings();
 
 /// Reads points from a file in the format that its ending names: PLY (the vertices; faces are left out), PCD (ASCII,
-/// binary, compressed; the viewpoint is left out), or lines of text that begin with three numbers (.xyz, .pts, .txt,
-/// .csv).
+/// binary, compressed; the viewpoint is left out), or lines of text (.xyz, .pts, .txt, .csv): the columns that the
+/// header calls x, y and z, or without a header the first three.
 /// \throws Error with file, line or byte, and reason: the file cannot be read, has more than 256 MiB or 5 million
 ///     points, is malformed, has no points, or one with a coordinate that is no number
 PointCloudFile read_point_cloud(const std::string& path, const PointCloudOptions& options = {});

@@ -17,6 +17,7 @@ class PointSink {
   PointSink(const MeshSource& source, bool skip_nan) : source_(source), skip_nan_(skip_nan) {}
 
   std::string format;
+  std::vector<std::string> warnings;  ///< what the file contains and the cloud does not
 
   /// Adds a point from its coordinates in the file's unit. \param line  of the point, 0 in a binary file
   void add(const Vec3& given, std::size_t line);

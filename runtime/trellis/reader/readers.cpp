@@ -24,7 +24,7 @@ struct Format {
 };
 
 /// In the order in which a file is tried; the last one explains what it expected.
-constexpr std::array<Format, 13> formats = {{{is_moving_ai_map, read_moving_ai_map, false},
+constexpr std::array<Format, 14> formats = {{{is_moving_ai_map, read_moving_ai_map, false},
                                              {is_moving_ai_queries, read_moving_ai_queries, false},
                                              {is_barn, read_barn, false},
                                              {is_rl_plan, read_rl_plan, true},
@@ -35,6 +35,7 @@ constexpr std::array<Format, 13> formats = {{{is_moving_ai_map, read_moving_ai_m
                                              {is_sbpl_arm, read_sbpl_arm, true},
                                              {is_ros_map, read_ros_map, false},
                                              {is_moveit_scene, read_moveit_scene, true},
+                                             {is_moveit_text, read_moveit_scene, true},
                                              {is_fibration_trees, read_fibration_trees, true},
                                              {[](const SourceText& text) {
                                                 static_cast<void>(text);
@@ -71,6 +72,9 @@ SceneFile read_format(const std::string& path, const ReadOptions& options) {
     if (format.read == read_dynobench && !is_dynobench(text)) refuse(path, unread_text(text));
     if (options.manipulator && format.read != read_moveit_scene) {
       throw Error(fmt::format("{}: a robot of a URDF file moves in scenes of MoveIt, and this is none", path));
+    }
+    if (!options.ignore.empty() && format.read != read_moveit_scene) {
+      throw Error(fmt::format("{}: 'ignore' leaves parts of a scene of MoveIt out, and this is none", path));
     }
     if (format.read == read_moveit_scene && options.robot) {
       throw Error(fmt::format("{}: in a scene of MoveIt a robot of a URDF file moves: robot = robot.urdf(...)", path));

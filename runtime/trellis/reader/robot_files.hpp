@@ -62,6 +62,7 @@ struct SrdfFile {
   };
   std::vector<Group> groups;
   std::vector<State> states;
+  std::string world_frame;  ///< the parent of the virtual joint; "" without one
   /// Pairs of links that may touch, the lesser one first, ascending: those of `disable_collisions`, and those of links
   /// with `disable_default_collisions` without those of `enable_collisions`, as srdfdom has them.
   std::vector<std::pair<std::size_t, std::size_t>> disabled;
@@ -71,9 +72,9 @@ struct SrdfFile {
 };
 
 /// Reads the groups, the named states and the disabled pairs of links of a robot from a SRDF file. A faulty group or
-/// state is left out, by a warning, as MoveIt does. Ends of arms, virtual joints and reasons are not needed; other
-/// elements that were not read are named by warnings.
-/// \throws Error with file and line where the file is no SRDF file
+/// state, or value of a state, is left out, by a warning, as MoveIt does. Ends of arms, virtual joints and reasons are
+/// not needed; other elements that were not read are named by warnings. \throws Error with file and line where the file
+/// is no SRDF file
 SrdfFile read_srdf(const std::string& path, const KinematicTree& tree);
 
 /// A SRDF file by itself, without the robot whose links and joints it names.
@@ -120,15 +121,44 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
 
 /// A planning problem of MoveIt, as MotionBenchMaker writes it: a scene and a request.
 struct MoveitFile {
+  /// A goal that inverse kinematics resolves: a point of a link near a place, with or without an orientation.
+  struct LinkGoal {
+    std::size_t link = 0;
+    Vec3 point = {};         ///< of the link, in its frame
+    Vec3 position = {};      ///< of the point, in the world
+    double near = 0.0;       ///< metres from it
+    bool oriented = false;   ///< the link has an orientation
+    Quaternion orientation;  ///< of the link, in the world
+    double turn = 0.0;       ///< radians from it
+    std::string file;        ///< of the constraint
+    std::size_t line = 1;
+  };
   World3 world;
-  Configuration start;  ///< of the robot's moving joints
-  Configuration goal;
-  std::vector<std::string> warnings;
+  SphereModel robot;    ///< with the values, the base, the attached bodies, the padding and the permissions of the file
+  Configuration start;  ///< of the robot's moving joints; empty where the file has none
+  std::vector<Configuration> goals = {};
+  std::vector<LinkGoal> link_goals = {};
+  std::vector<std::string> warnings = {};
+  std::vector<std::string> notes = {};
 };
 
+/// What a caller of the reader leaves out of a scene of MoveIt.
+struct MoveitOptions {
+  /// What the scene has, changes which configurations are valid, and is left out, by a warning: of
+  /// `moveit_ignorable`.
+  std::vector<std::string> ignore = {};
+  Configuration start = {};  ///< in place of the request's
+  bool goal = true;          ///< reads the request's goals
+};
+
+/// The parts of a scene that MoveitOptions::ignore may name: "octomap", "path_constraints", ...
+const std::vector<std::string>& moveit_ignorable();
+
 /// Reads a scene of MoveIt and the request beside it, in whose name "request" replaces "scene", or "scene" and all up
-/// to the digits; without a request there are no start and goal. The bounds of the world contain the robot's reach and
-/// all objects; they limit nothing. \throws Error with file and line
-MoveitFile read_moveit(const std::string& path, const SphereModel& model);
+/// to the digits; without a request the start is that of the scene, if it places all joints, and there is no goal.
+/// Reads also the text that RViz exports (.scene). The bounds of the world contain the robot's reach and all objects;
+/// they limit nothing. A plane is a box with a face in the plane, on the side where the robot is not; the box covers
+/// twice what the robot reaches and the other objects. \throws Error with file and line
+MoveitFile read_moveit(const std::string& path, const SphereModel& model, const MoveitOptions& options = {});
 
 }  // namespace trellis

@@ -56,15 +56,6 @@ double share_at(const YamlEntry& file, const char* key) {
   return share;
 }
 
-/// Names the keys that neither map server reads.
-void warn_of_keys(const YamlEntry& file, std::vector<std::string>& warnings) {
-  for (const std::string& key : file.keys()) {
-    if (is_known(key)) continue;
-    warnings.push_back(fmt::format("line {}: the key '{}' has no influence; those of a map are {}", file.at(key).line(),
-                                   key, fmt::join(keys, ", ")));
-  }
-}
-
 MapFile map_of(const YamlEntry& file) {
   ErrorList errors;
   MapFile map;
@@ -260,7 +251,7 @@ SceneFile read_ros_map(const SourceText& text, const ReadOptions& options) {
                              turned ? fmt::format(", turned by {:g} rad", map.yaw) : ""),
                  {problem_in(stem_of(text.path), std::move(scene), options)}};
   file.notes.push_back(rule.text());
-  warn_of_keys(root, file.warnings);
+  file.warnings = unused_warnings(text, root.unused());
   if (std::abs(map.yaw) > 2.0 * std::numbers::pi) {
     file.warnings.push_back(
         fmt::format("line {}: the yaw of the origin is {:g}, more than a full turn; it is in radians",

@@ -32,7 +32,8 @@ bool is_folder(const fs::path& path) {
 /// The name and the path of `package://NAME/PATH`; none of another URI.
 std::optional<std::pair<std::string, std::string>> package_and_path(const std::string& uri) {
   if (!uri.starts_with(package_scheme)) return std::nullopt;
-  const std::string rest = uri.substr(package_scheme.size());
+  std::string rest = uri.substr(package_scheme.size());
+  rest.erase(0, rest.find_first_not_of('/'));  // of package:///NAME/PATH
   const std::size_t slash = rest.find('/');
   if (slash == std::string::npos) return std::pair(rest, std::string());
   return std::pair(rest.substr(0, slash), rest.substr(slash + 1));
@@ -142,7 +143,10 @@ std::optional<std::string> RosPackages::find(const std::string& uri) const {
 
 std::string RosPackages::advice(const std::string& uri) const {
   const auto parts = package_and_path(uri);
-  if (!parts) return "";
+  if (!parts) {
+    return fmt::format("files without a package are beside the URDF file or in one of the {} folders above",
+                       most_above);
+  }
   const auto& [package, path] = *parts;
   const auto option = [&](const std::string& folder) {
     const bool plain = std::all_of(package.begin(), package.end(), [](unsigned char c) {

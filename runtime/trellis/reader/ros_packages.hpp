@@ -23,8 +23,8 @@ class RosPackages {
 
   /// Returns the path of a file that exists; none without one.
   [[nodiscard]] std::optional<std::string> find(const std::string& uri) const;
-  /// Returns what to write so that a file which `find` does not find is found: one sentence for its package; "" for a
-  /// file without a package.
+  /// Returns where a file that `find` does not find is looked for, and what to write so that it is found: one sentence
+  /// for each package.
   [[nodiscard]] std::string advice(const std::string& uri) const;
 
  private:

@@ -35,6 +35,7 @@ class SrdfReader {
     for (const XmlEntry& joint : robot_.children("virtual_joint")) {
       joint.skip({"type", "parent_frame", "child_link"});
       if (joint.has("name")) virtual_.insert(joint.word("name"));
+      if (joint.has("parent_frame")) file_.world_frame = joint.word("parent_frame");
     }
     // The ends of arms are links of groups, which `reach` and `attach` name.
     robot_.skip({"name", "version", "end_effector"});
@@ -50,7 +51,11 @@ class SrdfReader {
     }
     read_pairs();
     for (const XmlEntry& entry : robot_.children("passive_joint")) {
-      warn_of_fault(entry, "the element", [&] { file_.passive.emplace_back(joint(entry, "name"), entry.line()); });
+      // Of a virtual joint, or of another model of the robot, it says nothing here.
+      const std::string name = entry.has("name") ? entry.word("name") : "";
+      if (const auto known = joints_.find(name); known != joints_.end()) {
+        file_.passive.emplace_back(known->second, entry.line());
+      }
     }
     for (std::string& warning : unused_warnings(text_, robot_.unused())) file_.warnings.push_back(std::move(warning));
     return std::move(file_);
@@ -204,26 +209,30 @@ class SrdfReader {
       throw entry.error(fmt::format("there is no group '{}'{}", state.group, did_you_mean(state.group, known)));
     }
     for (const XmlEntry& part : entry.children("joint")) {
-      if (is_virtual(part.word("name"))) {
-        part.skip({"value"});
-        continue;
-      }
-      const std::size_t j = joint(part, "name");
-      std::vector<double> values = part.numbers("value");
-      const Joint& of = tree_.joints()[j];
-      const std::size_t width = std::max<std::size_t>(1, of.width());
-      if (values.size() != width) {
-        throw part.error(
-            fmt::format("joint '{}' has {} value{}, got {}", of.name, width, width == 1 ? "" : "s", values.size()));
-      }
-      if (of.limited() && !of.locked && !of.mimic && !(values[0] >= of.lo && values[0] <= of.hi)) {
-        file_.warnings.push_back(
-            fmt::format("{}:{}: in state '{}' joint '{}' is {:g}, outside of its limits [{:g}, {:g}]", text_.path,
-                        part.line(), state.name, of.name, values[0], of.lo, of.hi));
-      }
-      state.values.emplace_back(j, std::move(values));
+      warn_of_fault(part, "the value", [&] { read_value(part, state); });
     }
     file_.states.push_back(std::move(state));
+  }
+
+  void read_value(const XmlEntry& part, SrdfFile::State& state) {
+    if (is_virtual(part.word("name"))) {
+      part.skip({"value"});
+      return;
+    }
+    const std::size_t j = joint(part, "name");
+    std::vector<double> values = part.numbers("value");
+    const Joint& of = tree_.joints()[j];
+    const std::size_t width = std::max<std::size_t>(1, of.width());
+    if (values.size() != width) {
+      throw part.error(
+          fmt::format("joint '{}' has {} value{}, got {}", of.name, width, width == 1 ? "" : "s", values.size()));
+    }
+    if (of.limited() && !of.locked && !of.mimic && !(values[0] >= of.lo && values[0] <= of.hi)) {
+      file_.warnings.push_back(
+          fmt::format("{}:{}: in state '{}' joint '{}' is {:g}, outside of its limits [{:g}, {:g}]", text_.path,
+                      part.line(), state.name, of.name, values[0], of.lo, of.hi));
+    }
+    state.values.emplace_back(j, std::move(values));
   }
 
   static constexpr std::size_t most_groups = 1000;

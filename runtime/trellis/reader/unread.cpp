@@ -18,8 +18,9 @@ constexpr const char* shapes =
     "; Trellis reads no such worlds: write them with world { ... }, which has boxes, spheres, cylinders and mesh "
     "\"FILE\"";
 constexpr const char* bodies = "; of robots with joints Trellis reads URDF files: robot.urdf(\"FILE.urdf\")";
-constexpr const char* moveit = "; scenes.load(\"FILE\", { robot = robot.urdf(\"FILE.urdf\") }) reads it with its robot";
-
+constexpr const char* moveit =
+    "; Trellis reads such scenes as YAML with 'collision_objects', and as the text that RViz exports: a name, then an "
+    "object in each line with a star";
 constexpr const char* points = "; an obstacle of a world: point_cloud { \"FILE\", radius = 0.01 }";
 
 /// What begins with some bytes.
@@ -176,8 +177,9 @@ std::string unread_keys(const SourceText& text) {
     return unread_ending("file.scene");
   }
   if (has("goal_constraints") || has("joint_state") || has("goal_queries") || has("start_queries")) {
-    return "it is a request to MoveIt, which scenes.load reads beside its scene: load the scene, or write start and "
-           "goal in problem { ... }";
+    return "it is a request to MoveIt, which Trellis reads with its scene: scenes.load(\"scene0001.yaml\", { robot = "
+           "... }) "
+           "reads request0001.yaml beside it";
   }
   if (has("joint_limits")) return std::string("it is a file of joint limits for MoveIt") + bodies;
   if (has("mapFile") || has("agentFile")) {
@@ -232,9 +234,6 @@ std::string unread_text(const SourceText& text) {
   if (first->starts_with("return ") || first->starts_with("local ") || first->starts_with("--")) {
     return "it is a Lua script; trellis run runs it, and require loads a module";
   }
-  // The text that MoveIt exports: a name, then an object in each line with a star.
-  const auto starred = [](const std::string& line) { return line.starts_with("* "); };
-  if (text.lines.size() > 1 && starred(text.lines[1])) return unread_ending("file.scene");
   if (std::string known = unread_keys(text); !known.empty()) return known;
   return unread_ending(text.path);
 }

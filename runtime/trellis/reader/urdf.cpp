@@ -267,22 +267,19 @@ class UrdfReader {
         notices_.add(mesh.line, fmt::format("the mesh {} of link '{}' is not found: nothing of it is checked for "
                                             "collision",
                                             mesh.uri, mesh.link));
-        if (!what.empty()) notices_.add(mesh.line, what);
+        notices_.add(mesh.line, what);
         continue;
       }
       ++missing;
       list += fmt::format("\n  line {}: {} of link '{}'", mesh.line, mesh.uri, mesh.link);
-      if (!what.empty() && std::find(advice.begin(), advice.end(), what) == advice.end()) advice.push_back(what);
+      if (std::find(advice.begin(), advice.end(), what) == advice.end()) advice.push_back(what);
     }
     if (missing == 0) return;
     constexpr std::size_t most = 5;
     for (std::size_t i = 0; i < std::min(most, advice.size()); ++i) list += "\n" + advice[i];
     errors_.add(
-        Error(fmt::format("{}: {} mesh{} not found in {}:{}\nmissing_meshes = \"leave_out\" reads the robot "
-                          "without {}",
-                          text_.path, missing, missing == 1 ? " is" : "es are",
-                          advice.empty() ? "its folder or a folder above" : "the folders of their packages", list,
-                          missing == 1 ? "it" : "them")));
+        Error(fmt::format("{}: {} mesh{} not found:{}\nmissing_meshes = \"leave_out\" reads the robot without {}",
+                          text_.path, missing, missing == 1 ? " is" : "es are", list, missing == 1 ? "it" : "them")));
   }
 
   [[nodiscard]] std::size_t link_of(const XmlEntry& joint, const char* end) const {

@@ -35,6 +35,8 @@ struct ReadOptions {
   double agent_radius = 0.3;             ///< of the team's discs, metres, unless there is a `robot`
   std::optional<Pose3> start_pose = {};  ///< in place of `start`, of a body in space
   std::optional<Pose3> goal_pose = {};   ///< in place of `goal`, of a body in space
+  std::vector<std::string> ignore = {};  ///< parts of a scene of MoveIt that are left out: "octomap", ...
+  bool describe = false;                 ///< the file's content is shown: a scene of MoveIt is read without its robot
 };
 
 /// What a scene file of another project contains.
@@ -46,6 +48,7 @@ struct SceneFile {
   std::vector<double> lengths = {};        ///< of the problems' shortest paths or reference paths, metres; or empty
   std::vector<std::string> warnings = {};  ///< what the file contains and the problems do not
   std::vector<std::string> notes = {};     ///< by which of several rules the file was read
+  std::string robot = {};                  ///< the robot, where the file names it and does not contain it
 };
 
 /// Reads a scene file of another project. Its content selects the reader:
@@ -62,8 +65,8 @@ struct SceneFile {
 ///    a section [problem]: a configuration of OMPL.app. Their robots are rigid bodies in space, see docs/meshes.md.
 ///  - a planar arm of SBPL on a grid. Its goal is a cell for the end of the last link: `reach` is set and `goal` is
 ///    empty, see resolve_goal.
-///  - YAML with `world` and `robot_model_name`: a planning scene of MoveIt, with the request beside it, as
-///    MotionBenchMaker writes them; the robot is `manipulator`.
+///  - YAML with `collision_objects`: a planning scene of MoveIt, with the request beside it, as MotionBenchMaker writes
+///    them; or the text that RViz exports (.scene); the robot is `manipulator`.
 ///  - YAML with `robots` and `problem`: a scenario of FibrationTrees, of a team of discs.
 ///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
 /// \throws Error with file and line for malformed or missing content

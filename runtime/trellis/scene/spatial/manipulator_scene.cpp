@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
@@ -59,6 +60,44 @@ double gap_between(const std::vector<BodySphere>& first, const std::vector<BodyS
   return least;
 }
 
+/// A shape that is scaled about its origin, then grown. Of a mesh vertices move away from their mean.
+Shape3 grown(const Shape3& shape, double scale, double padding) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{scale * sphere->radius + padding};
+  if (const auto* box = std::get_if<Cuboid>(&shape)) {
+    return Cuboid{scale * box->size + Vec3{2.0 * padding, 2.0 * padding, 2.0 * padding}};
+  }
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    return Cylinder{scale * cylinder->radius + padding, scale * cylinder->length + 2.0 * padding};
+  }
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    return Capsule{scale * capsule->radius + padding, scale * capsule->length};
+  }
+  const Mesh& mesh = *std::get<std::shared_ptr<const Mesh>>(shape);
+  Vec3 middle;
+  for (const Vec3& v : mesh.vertices()) middle = middle + (1.0 / static_cast<double>(mesh.vertices().size())) * v;
+  std::vector<Vec3> vertices;
+  vertices.reserve(mesh.vertices().size());
+  for (const Vec3& v : mesh.vertices()) {
+    const Vec3 out = v - middle;
+    const double away = norm(out);
+    constexpr double nothing = 1e-6;
+    vertices.push_back(away > nothing ? middle + (scale + padding / away) * out : v);
+  }
+  return std::make_shared<const Mesh>(std::move(vertices), mesh.triangles(), "a padded mesh");
+}
+
+LinkBalls balls_of(const Link& link) {
+  LinkBalls balls;
+  for (const Solid& solid : link.solids) {
+    if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
+      balls.push_back({solid.pose.position, sphere->radius});
+    } else {
+      add_cover(solid, balls);
+    }
+  }
+  return balls;
+}
+
 Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
   const double squared = dot(along, along);
@@ -69,16 +108,9 @@ Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 }  // namespace
 
 std::vector<LinkBalls> link_balls(const KinematicTree& tree) {
-  std::vector<LinkBalls> all(tree.links().size());
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (const Solid& solid : tree.links()[i].solids) {
-      if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
-        all[i].push_back({solid.pose.position, sphere->radius});
-      } else {
-        add_cover(solid, all[i]);
-      }
-    }
-  }
+  std::vector<LinkBalls> all;
+  all.reserve(tree.links().size());
+  for (const Link& link : tree.links()) all.push_back(balls_of(link));
   return all;
 }
 
@@ -145,8 +177,15 @@ SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vecto
       bodies_(std::move(bodies)),
       may_touch_(whole.may_touch_),
       base_(whole.base_),
+      world_frame_(whole.world_frame_),
       exact_(whole.exact_),
       covers_shapes_(false) {}
+
+void SphereModel::copy_names(const SphereModel& from) {
+  base_ = from.base_;
+  states_ = from.states_;
+  world_frame_ = from.world_frame_;
+}
 
 void SphereModel::permit(Pairs may_touch) {
   may_touch_ = std::move(may_touch);
@@ -424,7 +463,7 @@ SphereModel SphereModel::attached(const std::string& name, const Solid& solid, s
   const std::size_t added = robot_.tree().links().size();
   Manipulator robot = robot_.attached({name, {solid}}, link);
   std::vector<LinkBalls> balls = *link_balls_;
-  balls.push_back(link_balls(robot.tree()).back());
+  balls.push_back(balls_of(robot.tree().links().back()));
   Pairs may_touch = may_touch_;
   for (const std::size_t other : touch) may_touch.emplace_back(other, added);
   // Links that do not move against it.
@@ -433,17 +472,54 @@ SphereModel SphereModel::attached(const std::string& name, const Solid& solid, s
   }
   SphereModel with(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot), {});
   with.permit(std::move(may_touch));
-  with.base_ = base_;
-  with.states_ = states_;
+  with.copy_names(*this);
   return with;
 }
 
-SphereModel SphereModel::permitting(const Pairs& more) const {
-  SphereModel with = *this;
-  Pairs may_touch = may_touch_;
-  may_touch.insert(may_touch.end(), more.begin(), more.end());
-  with.permit(std::move(may_touch));
+SphereModel SphereModel::with_world_frame(std::string name) const {
+  SphereModel named = *this;
+  named.world_frame_ = std::move(name);
+  return named;
+}
+
+SphereModel SphereModel::with_values(const std::vector<std::vector<double>>& values) const {
+  SphereModel with(link_balls_, Manipulator(robot_.tree(), robot_.moving(), values), {});
+  with.permit(Pairs(may_touch_));
+  with.copy_names(*this);
   return with;
+}
+
+SphereModel SphereModel::with_permissions(const Pairs& may_touch, const Pairs& checked) const {
+  std::set<std::pair<std::size_t, std::size_t>> pairs(may_touch_.begin(), may_touch_.end());
+  pairs.insert(may_touch.begin(), may_touch.end());
+  for (const auto& pair : checked) pairs.erase(pair);
+  SphereModel with = *this;
+  with.permit(Pairs(pairs.begin(), pairs.end()));
+  return with;
+}
+
+SphereModel SphereModel::padded(const std::vector<double>& scale, const std::vector<double>& padding) const {
+  const std::vector<Link>& links = robot_.tree().links();
+  Manipulator robot = robot_;
+  std::vector<LinkBalls> balls = *link_balls_;
+  Pairs may_touch = may_touch_;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (links[i].solids.empty() || (scale[i] == 1.0 && padding[i] == 0.0)) continue;
+    const std::size_t added = robot.tree().links().size();
+    if (added == KinematicTree::most_links) {
+      throw Error(fmt::format("a robot has at most {} links, with a padded copy of each", KinematicTree::most_links));
+    }
+    Link link{links[i].name + " (padded)", {}};
+    for (const Solid& solid : links[i].solids)
+      link.solids.push_back({grown(solid.shape, scale[i], padding[i]), solid.pose});
+    robot = robot.attached(link, i);
+    balls.push_back(balls_of(link));
+    for (std::size_t other = 0; other < added; ++other) may_touch.emplace_back(other, added);
+  }
+  SphereModel whole(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot), {});
+  whole.permit(std::move(may_touch));
+  whole.copy_names(*this);
+  return whole;
 }
 
 SphereModel SphereModel::thinned(double factor) const {

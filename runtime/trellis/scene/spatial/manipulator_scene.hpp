@@ -112,6 +112,20 @@ class SphereModel {
   [[nodiscard]] SphereModel based_at(const Pose3& base) const;
   /// Returns the robot with configurations that have names.
   [[nodiscard]] SphereModel with_states(std::vector<State> states) const;
+  /// The name of the frame in which the base has its place: "world", as the virtual joint of a SRDF file says; "" where
+  /// no file names it.
+  [[nodiscard]] const std::string& world_frame() const { return world_frame_; }
+  [[nodiscard]] SphereModel with_world_frame(std::string name) const;
+  /// Returns the robot whose joints that do not move are at other values.
+  /// \param values  see Manipulator
+  [[nodiscard]] SphereModel with_values(const std::vector<std::vector<double>>& values) const;
+  /// Returns the robot with other pairs of links that may touch. Both lists have the lesser link first.
+  [[nodiscard]] SphereModel with_permissions(const Pairs& may_touch, const Pairs& checked) const;
+  /// Returns the robot that keeps a distance from obstacles, as MoveIt's link_scale and link_padding have it: each
+  /// shape of a link is scaled about its origin, then grown. The links themselves are not, for self-collision: a grown
+  /// copy is fixed to each, named "LINK (padded)", which may touch all links. \param scale    for each link, at least 1
+  /// \param padding  for each link, metres, at least 0
+  [[nodiscard]] SphereModel padded(const std::vector<double>& scale, const std::vector<double>& padding) const;
   /// Returns the robot with a shape that one of its links carries.
   /// \param name   of the shape, which becomes a link
   /// \param solid  in the frame of the link
@@ -119,8 +133,6 @@ class SphereModel {
   /// \throws Error where a link has that name
   [[nodiscard]] SphereModel attached(const std::string& name, const Solid& solid, std::size_t link,
                                      const std::vector<std::size_t>& touch) const;
-  /// Returns the robot of which more pairs of links may touch each other.
-  [[nodiscard]] SphereModel permitting(const Pairs& more) const;
   /// Returns the robot with thinner links: each ball has its radius times `factor`, and lies in the ball that it was.
   [[nodiscard]] SphereModel thinned(double factor) const;
   /// Returns the robot of which some joints move alone, and without the bodies whose places others determine.
@@ -137,6 +149,8 @@ class SphereModel {
   void permit(Pairs may_touch);
   void divide();
   void add_standing();
+  /// Takes the base, the named configurations and the world's frame of another model.
+  void copy_names(const SphereModel& from);
   void enclose();
   /// The tip among the bodies that these coordinates move, ascending; empty: all bodies.
   [[nodiscard]] PointOnBody tip_moved_by(const std::vector<std::size_t>& axes) const;
@@ -151,6 +165,7 @@ class SphereModel {
   std::vector<std::optional<Standing>> standing_;  ///< for each body
   Pose3 base_;
   std::vector<State> states_;
+  std::string world_frame_;
   bool exact_ = true;
   bool covers_shapes_ = true;
   double bounding_radius_ = 0.0;
