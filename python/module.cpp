@@ -5,8 +5,10 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -29,6 +31,8 @@
 #include <dsl/language/core/construct.hpp>
 #include <dsl/language/core/program.hpp>
 #include <dsl/language/tools/session.hpp>
+#include <dsl/language/words/ends.hpp>
+#include <dsl/language/words/robot_queries.hpp>
 #include <dsl/lua/mistakes.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
@@ -36,8 +40,11 @@
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/unused.hpp>
+#include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/instance.hpp>
+#include <trellis/instance/resolve_goal.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 
 namespace py = pybind11;
 
@@ -203,6 +210,18 @@ class CheckedProblem {
     if (!instance_) instance_ = trellis::make_instance(problem_);
     return instance_->space.contains(q) && instance_->validity->state(q);
   }
+  /// Why a configuration is not valid; "" where it is.
+  [[nodiscard]] std::string fault(const Configuration& q) {
+    if (valid(q)) return "";
+    const auto checker = trellis::make_checker(problem_.collision, problem_.scene, problem_.space, problem_.resolution);
+    return trellis::fault_of(problem_, q, *checker);
+  }
+  /// \throws Error for a robot that is not one of a URDF file
+  [[nodiscard]] const trellis::SphereModel& arm(const char* what) const {
+    const trellis::ManipulatorScene* scene = problem_.scene->manipulator();
+    if (scene == nullptr) throw Error(problem_.name + ": " + what + " is for robots of URDF files");
+    return scene->robot;
+  }
 
  private:
   Problem problem_;
@@ -226,6 +245,64 @@ std::vector<std::vector<std::string>> rotations_of(const CheckedProblem& problem
     rotations.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(factor.width()));
   }
   return rotations;
+}
+
+py::list joints(const CheckedProblem& problem) {
+  py::list all;
+  for (const dsl::JointInfo& info : dsl::joint_infos(problem.arm("joints"))) {
+    py::dict joint;
+    joint["name"] = info.name;
+    joint["kind"] = info.kind;
+    joint["lower"] = info.limited ? py::object(py::float_(info.lower)) : py::object(py::none());
+    joint["upper"] = info.limited ? py::object(py::float_(info.upper)) : py::object(py::none());
+    joint["velocity"] = info.velocity > 0.0 ? py::object(py::float_(info.velocity)) : py::object(py::none());
+    all.append(std::move(joint));
+  }
+  return all;
+}
+
+/// \param seed  a number, or a configuration
+std::vector<Configuration> ik(const CheckedProblem& problem, const std::string& link,
+                              const std::array<double, 3>& position, const std::optional<std::array<double, 3>>& rpy,
+                              const std::optional<std::array<double, 4>>& quaternion,
+                              const std::pair<double, double>& within,
+                              const std::variant<std::uint64_t, Configuration>& seed, std::size_t count) {
+  const trellis::SphereModel& robot = problem.arm("ik");
+  if (rpy && quaternion) throw Error("ik: an orientation is given once: by rpy or by quaternion");
+  if (!(within.first > 0.0) || !(within.second > 0.0)) throw Error("ik: within has two numbers greater than 0");
+  if (count == 0) throw Error("ik: count is at least 1");
+  trellis::LinkTarget target;
+  target.link = dsl::link_named(robot, link, "ik: link");
+  target.pose.position = {position[0], position[1], position[2]};
+  if (rpy) {
+    const auto& [roll, pitch, yaw] = *rpy;
+    target.pose.orientation =
+        trellis::normalised(trellis::rotation_of({0.0, 0.0, yaw}) *
+                            (trellis::rotation_of({0.0, pitch, 0.0}) * trellis::rotation_of({roll, 0.0, 0.0})));
+  } else if (quaternion) {
+    const auto& [x, y, z, w] = *quaternion;
+    if (!(std::abs(std::sqrt(x * x + y * y + z * z + w * w) - 1.0) <= 1e-3)) {
+      throw Error("ik: a quaternion x, y, z, w has norm 1");
+    }
+    target.pose.orientation = trellis::normalised({x, y, z, w});
+  }
+  target.near = within.first;
+  target.turn = within.second;
+  trellis::ReachQuery query;
+  query.targets = {target};
+  query.most = count;
+  if (const auto* first = std::get_if<Configuration>(&seed)) {
+    if (first->size() != problem.problem().space.dimension()) {
+      throw Error("ik: a configuration has " + std::to_string(problem.problem().space.dimension()) +
+                  " coordinates, got " + std::to_string(first->size()));
+    }
+    query.first = *first;
+  } else {
+    query.seed = std::get<std::uint64_t>(seed);
+  }
+  std::vector<Configuration> found;
+  interruptibly([&] { found = trellis::reach_configurations(problem.problem(), query).configurations; });
+  return found;
 }
 
 py::dict named_problems(const Script& script) {
@@ -440,6 +517,11 @@ PYBIND11_MODULE(_trellis, m) {
       .def_property_readonly("start", [](const CheckedProblem& p) { return p.problem().start; })
       .def_property_readonly("goals", [](const CheckedProblem& p) { return p.problem().goals; })
       .def("valid", &CheckedProblem::valid, py::arg("q"))
+      .def("fault", &CheckedProblem::fault, py::arg("q"))
+      .def("joints", &joints)
+      .def("ik", &ik, py::arg("link"), py::arg("position"), py::arg("rpy") = py::none(),
+           py::arg("quaternion") = py::none(), py::arg("within") = std::pair(1e-3, 1e-2),
+           py::arg("seed") = std::uint64_t{0}, py::arg("count") = std::size_t{10})
       .def("__repr__", [](const CheckedProblem& p) { return "<trellis.Problem '" + p.problem().name + "'>"; });
 
   py::class_<Script, std::shared_ptr<Script>>(m, "Script", "What a script returns: strategies, problems, seeds.")

@@ -25,6 +25,8 @@ struct Guard {
   }
   /// The coroutines whose variables are being closed, one within the other.
   static unsigned& closing(lua_State* state) { return State::of(state).closing_; }
+  /// Removes a recorded mistake, which the script has dealt with.
+  static void withdraw(lua_State* state, const Mistake& mistake);
   /// Pushes the value that a call with a mistake returns.
   static void push_failed_value(lua_State* state);
   [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).work_.ended; }

@@ -35,6 +35,15 @@ std::vector<std::string> in_order(std::vector<Mistake> mistakes, const std::stri
 
 /// As a list it has one element, so that loops over it end.
 int element(Stack& call) {
+  const auto* failed = call[1].get<FailedValue>();
+  if (failed != nullptr) {
+    if (const Mistake* mistake = failed->denied_by(call[2].string())) {
+      Guard::withdraw(call.state(), *mistake);
+      failed->withdraw();
+      return call.result(false);
+    }
+    failed->insist();
+  }
   const auto index = call[2].integer();
   if (index && *index != 1) {
     call.push_nil();
@@ -45,6 +54,9 @@ int element(Stack& call) {
 }
 
 int failed_value(Stack& call) {
+  for (int i = 1; i <= call.count(); ++i) {
+    if (const auto* failed = call[i].get<FailedValue>()) failed->insist();
+  }
   Guard::push_failed_value(call.state());
   return 1;
 }
@@ -71,6 +83,14 @@ Mistakes::Mistakes(std::vector<std::string> messages)
     : Error(fmt::format("{}", fmt::join(shortened(messages), "\n"))),
       count_(messages.size()),
       messages_(shortened(std::move(messages))) {}
+
+const Mistake* FailedValue::denied_by(const std::optional<std::string>& field) const {
+  return denial_ && field == denial_->field ? &denial_->mistake : nullptr;
+}
+
+void FailedValue::insist() const {
+  if (denial_ && denial_->withdrawn) throw Located(denial_->mistake.message);
+}
 
 bool Faults::attempt(const std::function<void()>& body) {
   try {

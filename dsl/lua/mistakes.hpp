@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,11 +52,42 @@ class SeveralFaults : public Error {
   std::vector<std::string> messages_;
 };
 
+/// An Error of a call whose result has a field that says whether there was a fault: `problem { ... }.valid`. Where the
+/// Error is recorded, the field is false, and a script that reads it has dealt with the fault: the record is withdrawn.
+class DeniedError : public Error {
+ public:
+  DeniedError(std::string field, const std::string& message) : Error(message), field_(std::move(field)) {}
+  [[nodiscard]] const std::string& field() const { return field_; }
+
+ private:
+  std::string field_;
+};
+
 /// A call received a value that an earlier mistake left without a value. That mistake has been recorded: nothing else
 /// is.
 class FailedValue : public std::exception {
  public:
+  FailedValue() = default;
+  /// Of a DeniedError. \param mistake  as it was recorded
+  FailedValue(std::string field, Mistake mistake)
+      : denial_(std::make_shared<Denial>(Denial{std::move(field), std::move(mistake)})) {}
+
+  /// Whether the field is the one that says that there was a fault; then returns the mistake, to withdraw it, else
+  /// null.
+  [[nodiscard]] const Mistake* denied_by(const std::optional<std::string>& field) const;
+  void withdraw() const { denial_->withdrawn = true; }
+  /// \throws Located for a mistake that was withdrawn, since a script uses the value all the same
+  void insist() const;
+
   [[nodiscard]] const char* what() const noexcept override { return "a value that could not be made"; }
+
+ private:
+  struct Denial {
+    std::string field;
+    Mistake mistake;
+    bool withdrawn = false;
+  };
+  std::shared_ptr<Denial> denial_;
 };
 
 template <>

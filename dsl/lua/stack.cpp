@@ -250,4 +250,15 @@ void Stack::on_missing(Value table, Callback missing, Callback assigned) {
   lua_settop(state_, before);
 }
 
+void Stack::on_call(Value table, Callback called) {
+  const int before = lua_gettop(state_);
+  const Value meta = push_table();
+  push_function(std::move(called));
+  set_field(meta, "__call");
+  push(false);
+  set_field(meta, "__metatable");
+  lua_setmetatable(state_, table.index());
+  lua_settop(state_, before);
+}
+
 }  // namespace trellis::lua

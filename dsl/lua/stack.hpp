@@ -129,6 +129,9 @@ class Stack {
   /// Gives a table a metatable that scripts cannot access: calls `missing` with the table and a missing key, and
   /// `assigned`, if there is one, with the table, a missing key and the value that the key is to get.
   void on_missing(Value table, Callback missing, Callback assigned = {});
+  /// Makes a table a function too: calls `called` with the table and the arguments. Scripts cannot access its
+  /// metatable.
+  void on_call(Value table, Callback called);
 
   // One result.
   template <class T>

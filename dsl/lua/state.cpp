@@ -95,6 +95,7 @@ int Guard::run(lua_State* state, const Callback& body) {
   spend(state, least);
   std::string message;
   bool noted = false;
+  FailedValue denied;
   try {
     Stack stack(state);
     return body(stack);
@@ -103,6 +104,14 @@ int Guard::run(lua_State* state, const Callback& body) {
   } catch (const Located& error) {
     message = error.what();
     noted = State::of(state).note(state, {message}, true);
+  } catch (const DeniedError& error) {
+    const auto position = Stack(state).where();
+    message = (position ? position->prefix() : "") + error.what();
+    noted = State::of(state).note(state, {error.what()}, false);
+    if (const auto* mistakes = State::of(state).work_.mistakes;
+        noted && mistakes->back().message.ends_with(error.what())) {
+      denied = FailedValue(error.field(), mistakes->back());
+    }
   } catch (const EndingError& error) {
     const auto position = Stack(state).where();
     message = (position ? position->prefix() : "") + error.what();
@@ -125,12 +134,22 @@ int Guard::run(lua_State* state, const Callback& body) {
   }
   lua_settop(state, 0);
   if (noted) {
-    push_failed_value(state);
+    Stack(state).push_object(std::move(denied));
     return 1;
   }
   State::of(state).work_.raised = message;
   lua_pushlstring(state, message.data(), message.size());
   return lua_error(state);
+}
+
+void Guard::withdraw(lua_State* state, const Mistake& mistake) {
+  auto& work = State::of(state).work_;
+  if (work.mistakes == nullptr) return;
+  const auto same = std::find_if(work.mistakes->begin(), work.mistakes->end(), [&](const Mistake& other) {
+    return other.script == mistake.script && other.line == mistake.line && other.message == mistake.message;
+  });
+  if (same != work.mistakes->end()) work.mistakes->erase(same);
+  if (work.mistakes->empty()) work.last = State::Work().last;
 }
 
 void Guard::push_failed_value(lua_State* state) { Stack(state).push_object(FailedValue()); }

@@ -75,7 +75,10 @@ std::string Value::describe() const {
     }
     default: break;
   }
-  if (get<FailedValue>() != nullptr) throw FailedValue();
+  if (const auto* failed = get<FailedValue>()) {
+    failed->insist();
+    throw FailedValue();
+  }
   const int top = lua_gettop(state_);
   std::string name = luaL_typename(state_, index_);
   if (luaL_getmetafield(state_, index_, "__name") == LUA_TSTRING) name = lua_tostring(state_, -1);

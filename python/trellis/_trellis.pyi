@@ -46,6 +46,29 @@ class Problem:
 
         Raises `trellis.Error` for another number of coordinates.
         """
+    def fault(self, q: Sequence[float]) -> str:
+        """Why `q` is not valid: a joint beyond its limits, or what touches what. "" where it is valid."""
+    def joints(self) -> List[Dict[str, object]]:
+        """Each coordinate of a robot of a URDF file: `name`, `kind` of joint, limits `lower`, `upper` in radians or
+        metres, and its greatest `velocity` a second; None where the file states none.
+        """
+    def ik(
+        self,
+        link: str,
+        position: Sequence[float],
+        rpy: Optional[Sequence[float]] = None,
+        quaternion: Optional[Sequence[float]] = None,
+        within: Tuple[float, float] = (0.001, 0.01),
+        seed: Union[int, Sequence[float]] = 0,
+        count: int = 10,
+    ) -> List[List[float]]:
+        """Valid configurations that bring a link to a pose of the world, at most `count`; [] where none is found.
+
+        The orientation is given by `rpy` in radians or by a quaternion x, y, z, w; `within` says how near to the pose,
+        in metres and radians, of which pi or more means any orientation. A configuration as `seed` is where the first
+        attempt starts, and the nearest to it come first; a number is that of the random starts.
+        Raises `trellis.Error` for a robot that is not one of a URDF file.
+        """
 
 class Script:
     """What a script returns."""

@@ -34,6 +34,18 @@ BLOCKED = """problem {
   world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} },
   robot = robot.rectangle(0.6, 0.2), start = {1, 5, 0}, goal = {9, 5, 0} }"""
 ENDLESS = "rrt { step = 0.5, proposals = 1000000000 }"
+ARM = """<robot name="arm">
+<link name="base"/>
+<link name="upper"><collision><origin xyz="0.4 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="lower"><collision><origin xyz="0.4 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="tip"/>
+<joint name="swing" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+  <limit effort="1" velocity="1.5"/></joint>
+<joint name="bend" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.8 0 0"/>
+  <axis xyz="0 0 1"/><limit lower="-2" upper="2"/></joint>
+<joint name="end" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="0.6 0 0"/></joint>
+</robot>
+"""
 PATH = [[2.0, 5.0], [8.0, 5.0]]
 
 
@@ -322,6 +334,33 @@ class Recorders(Folder):
         nothing = trellis.Recorder([0, 0], [10, 10], valid=lambda q: False)
         with self.assertRaisesRegex(trellis.Error, "no valid configuration"):
             nothing.measure(PATH, delta=0.5, samples=samples(10))
+
+    def test_robots_of_urdf_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "arm.urdf").write_text(ARM, encoding="utf-8")
+            arm = trellis.problem(
+                """problem {
+                  world = world { bounds = {-2, -2, -2, 2, 2, 2}, sphere {-1, 0, 0, 0.2, name = "lamp"} },
+                  robot = robot.urdf "arm.urdf", start = {0.3, -0.4}, goal = { swing = 1, bend = 0.5 } }""",
+                folder=folder)
+        self.assertEqual(arm.goals, [[1.0, 0.5]])
+        self.assertEqual(arm.joints(), [
+            {"name": "swing", "kind": "continuous", "lower": None, "upper": None, "velocity": 1.5},
+            {"name": "bend", "kind": "revolute", "lower": -2.0, "upper": 2.0, "velocity": None}])
+        self.assertEqual(arm.fault([0.3, -0.4]), "")
+        self.assertIn("bend = 3, expected it in [-2, 2]", arm.fault([0, 3]))
+        self.assertIn("is in collision with obstacle 1 (lamp)", arm.fault([math.pi, 0]))
+        found = arm.ik("tip", [1.0, 0.5, 0.0], within=(0.001, 4), seed=[0.3, -0.4])
+        self.assertTrue(found)
+        for q in found:
+            self.assertTrue(arm.valid(q))
+            x = 0.8 * math.cos(q[0]) + 0.6 * math.cos(q[0] + q[1])
+            self.assertAlmostEqual(x, 1.0, delta=0.001)
+        self.assertEqual(arm.ik("tip", [5, 0, 0]), [])
+        with self.assertRaisesRegex(trellis.Error, "did you mean 'tip'"):
+            arm.ik("tpi", [1, 0, 0])
+        with self.assertRaisesRegex(trellis.Error, "for robots of URDF files"):
+            trellis.problem("scenes.trap()").joints()
 
     def test_rotations_in_space(self):
         box = trellis.problem("problem { world = world { bounds = {0, 0, 0, 10, 10, 10} },"

@@ -203,6 +203,21 @@ TEST_CASE("a ball is valid where the obstacles are farther than its radius") {
   }
 }
 
+TEST_CASE("solids that rest on a slab touch it, whatever their shape") {
+  const World3 world({{-5, -5, -5}, {5, 5, 5}}, {{"slab", {Cuboid{{4, 4, 1}}, {{0, 0, -0.5}, {}}}}}, Contain::none);
+  for (const Shape3& shape : {Shape3(Cuboid{{0.2, 0.2, 0.1}}), Shape3(Cylinder{0.2, 0.1}), Shape3(Sphere{0.05})}) {
+    const auto scene = std::make_shared<const SpatialScene>(world, Robot3("body", {Solid{shape, {}}}, false));
+    const Space space = scene->default_space(1.0);
+    for (const std::string& backend : collision_backends(*scene)) {
+      const auto checker = make_checker(backend, scene, space, 0.05);
+      for (const double x : {0.0, 0.37, 1.1}) {
+        CHECK_FALSE(checker->valid(Configuration{x, 0.2, 0.05}));
+        CHECK(checker->valid(Configuration{x, 0.2, 0.05 + 1e-9}));
+      }
+    }
+  }
+}
+
 TEST_CASE("the nearest obstacle in space has the distance of the clearance, and its nearest point") {
   Stream stream(11, "", "nearest obstacle");
   int free = 0, points = 0;

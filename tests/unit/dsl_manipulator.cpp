@@ -223,3 +223,227 @@ TEST_CASE("scenes.load leaves out the parts of a scene of MoveIt that `ignore` n
   CHECK_THAT(warnings[0], Contains("an octomap is not read") && Contains("(and in 1 more file)"));
   CHECK_THAT(warnings[1], Contains("scene.yaml:4: 'other' is not read (and in 1 more file)"));
 }
+
+TEST_CASE("a configuration names its joints, and what it lacks or mixes is an error") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const std::string named = "{ turn = 0, lift = 0.1, elbow = 0.5, roll = 0, wrist = 0.3, flange = 0 }";
+  const auto problems = session.problems(
+      head + "return problem { world = w, robot = arm, start = " + named + ", goal = {'aside', " + named + "} }",
+      "t.lua");
+  CHECK(problems.front().start == Configuration{0, 0.1, 0.5, 0, 0.3, 0});
+  REQUIRE(problems.front().goals.size() == 2);
+  CHECK(problems.front().goals[1] == problems.front().start);
+  const auto refused = [&](const std::string& start) {
+    return files.failure(head + "problem { world = w, robot = arm, start = " + start + ", goal = 'aside' }");
+  };
+  CHECK_THAT(refused("{ turn = 0, lift = 0.1, elbow = 0.5, roll = 0 }"),
+             Contains("field 'start': 'wrist', 'flange' are missing; a configuration by names has all of: turn, lift"));
+  CHECK_THAT(refused("{ turn = 0, lift = 0.1, elbw = 0.5, roll = 0, wrist = 0, flange = 0 }"),
+             Contains("has no joint 'elbw' (did you mean 'elbow'?)"));
+  CHECK_THAT(refused("{ turn = 0, lift = 0.1, elbow = 0.5, roll = 0, wrist = 0, flange = 0, mount = 1 }"),
+             Contains("joint 'mount' is fixed"));
+  CHECK_THAT(refused("{ 0, 0.1, elbow = 0.5 }"), Contains("this is a mixture: 2 values without a name, and 'elbow'"));
+  CHECK_THAT(refused("{ turn = 'x', lift = 0.1, elbow = 0.5, roll = 0, wrist = 0, flange = 0 }"),
+             Contains("'turn' must be a finite number"));
+  // Joints of the robot that are not of its group.
+  CHECK_THAT(files.failure("local r = robot.urdf('six.urdf', { group = {'elbow'} }) problem { world = world { bounds = "
+                           "{-2, -2, -2, 2, 2, 2} }, robot = r, start = { elbow = 0, lift = 0.1 }, goal = {1} }"),
+             Contains("joint 'lift' does not move") && Contains("values = { lift = 0 }"));
+  // The plane has names, too.
+  CHECK(dsl::Session("")
+            .problems(
+                "return problem { world = world { bounds = {0, 0, 9, 9} }, robot = robot.rectangle(1, 0.5), start = "
+                "{ theta = 1, y = 3, x = 2 }, goal = {7, 7, 0} }",
+                "t.lua")
+            .front()
+            .start == Configuration{2, 3, 1});
+}
+
+TEST_CASE("a start within a millionth of a limit is the limit, and messages tell numbers apart") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const auto problems = session.problems(
+      head + "return problem { world = w, robot = arm, start = {0, 0.1, 2 + 1e-7, 0, 0.3, 0}, goal = 'aside' }",
+      "t.lua");
+  CHECK(problems.front().start[2] == 2.0);
+  CHECK_THAT(
+      files.failure(head + "problem { world = w, robot = arm, start = {0, 0.1, 2 + 2e-6, 0, 0.3, 0}, goal = 'aside' }"),
+      Contains("elbow = 2.000002, expected it in [-2, 2]"));
+}
+
+TEST_CASE("angles that are probably degrees are hinted at") {
+  const RobotFolder files;
+  CHECK_THAT(files.failure(head + "problem { world = w, robot = arm, start = {0, 0.1, -34, 0, 0, 0}, goal = 'aside' }"),
+             Contains("elbow = -34") && Contains("angles are radians: write math.rad(-34)"));
+  // A slide is no angle.
+  const std::string slid =
+      files.failure(head + "problem { world = w, robot = arm, start = {0, 7, 0, 0, 0, 0}, goal = 'aside' }");
+  CHECK_THAT(slid, Contains("lift = 7") && !Contains("radians"));
+  CHECK_THAT(
+      files.failure(head + "problem { world = w, robot = arm, start = 'ready', goal = reach { link = 'tool', pose "
+                           "= pose {5, 0, 0, rpy = {0, 90, 0}} } }"),
+      Contains("likely out of reach; the pose has rpy = {0, 90, 0}: angles are radians: write math.rad(90)"));
+  dsl::Session session(files.folder().path().string());
+  static_cast<void>(
+      session.evaluate("return pose {0, 0, 0, rpy = {0, 90, 0}}, pose {0, 0, 0, rpy = {0, 1.5, 0}}", "t.lua"));
+  CHECK(session.take_warnings().size() == 1);
+}
+
+TEST_CASE("goals and starts may be poses of links, several, and of the robots of a team") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const std::string at =
+      "local function at(q) return arm:pose(q, 'tool') end local a, r = arm.states.aside, "
+      "arm.states.ready ";
+  const auto reached = [&](const std::string& text) { return session.problems(head + at + text, "t.lua").front(); };
+  const Problem several = reached(
+      "return problem { world = w, robot = arm, start = r, goal = { reach { link = 'tool', pose = at(a) }, reach { "
+      "link = "
+      "'tool', pose = at(r) }, a } }");
+  CHECK(several.goals.size() >= 3);
+  CHECK(several.goals.back() == several.scene->manipulator()->robot.states()[1].q);
+  const auto tool = [](const Problem& p, View q, const std::string& link) {
+    const SphereModel& robot = p.scene->manipulator()->robot;
+    return robot.base() * robot.robot().pose_of(*robot.robot().tree().find_link(link), q);
+  };
+  const Configuration aside = several.goals.back();
+  const Vec3 wanted = tool(several, aside, "tool").position;
+  const Problem started =
+      reached("return problem { world = w, robot = arm, start = reach { link = 'tool', pose = at(a) }, goal = r }");
+  CHECK(norm(tool(started, started.start, "tool").position - wanted) < 1e-3);
+
+  const std::string team =
+      "local two = robots { arm, robot.urdf('six.urdf', { srdf = 'six.srdf', group = 'arm', base = pose {0, 5, 0} }) "
+      "} ";
+  const auto of_team = [&](const std::string& goal) {
+    return reached(team +
+                   "return problem { world = world { bounds = {-9, -9, -9, 9, 9, 9} }, robot = two, start = {r, r}, "
+                   "goal = " +
+                   goal + " }");
+  };
+  // A list with an element for each robot: its own names.
+  const Problem each = of_team("{ reach { link = 'tool', pose = at(a) }, 'ready' }");
+  for (const Configuration& goal : each.goals) {
+    CHECK(norm(tool(each, goal, "1/tool").position - wanted) < 1e-3);
+    CHECK(Configuration(goal.begin() + 6, goal.end()) == Configuration(each.start.begin() + 6, each.start.end()));
+  }
+  // The names of the team: alternatives.
+  const Problem either = of_team("{ reach { link = '1/tool', pose = at(a) }, { r, r } }");
+  CHECK(either.goals.back() == either.start);
+  CHECK(norm(tool(either, either.goals.front(), "1/tool").position - wanted) < 1e-3);
+  CHECK(of_team("reach { link = '1/tool', pose = at(a) }").goals.size() > 1);
+  const auto fault = [&](const std::string& goal) { return test::fault_of([&] { static_cast<void>(of_team(goal)); }); };
+  CHECK_THAT(fault("reach { link = 'tool', pose = at(a) }"), Contains("name the robot, as link = '1/tool'"));
+  CHECK_THAT(fault("{ reach { link = 'tol', pose = at(a) }, r }"),
+             Contains("has no link '1/tol' (did you mean '1/tool'?)"));
+  CHECK_THAT(fault("{ reach { link = '2/tool', pose = at(a) }, r }"), Contains("a link of another robot"));
+}
+
+TEST_CASE("of several goals those that nothing reaches are left out with a warning") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const auto problems = session.problems(head +
+                                             "return problem { world = w, robot = arm, start = 'ready', goal = { reach "
+                                             "{ link = 'tool', pose = pose {9, 0, "
+                                             "0} }, 'aside' } }",
+                                         "t.lua");
+  CHECK(problems.front().goals.size() == 1);
+  const auto warnings = session.take_warnings();
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings.front(), Contains("goal 1: 0 of 2000 starts") && Contains("it is left out"));
+}
+
+TEST_CASE("a robot says whether a configuration is valid, and why not") {
+  const RobotFolder files;
+  CHECK(files.values(head + "return arm:valid('ready', w)") == std::vector<std::string>{"true"});
+  const auto blocked =
+      files.values("local arm = " + arm +
+                   " local p = arm:pose(arm.states.ready, 'hand').position return arm:valid(arm.states.ready, "
+                   "world { bounds = {-2, -2, -2, 2, 2, 2}, sphere {p[1], p[2], p[3], 0.05, name = 'lamp'} })");
+  REQUIRE(blocked.size() == 2);
+  CHECK(blocked[0] == "false");
+  CHECK_THAT(blocked[1], Contains("is in collision with obstacle 1 (lamp)"));
+  const auto beyond = files.values(head + "return arm:valid({0, 0.1, 3, 0, 0, 0})");
+  REQUIRE(beyond.size() == 2);
+  CHECK(beyond[1] == "elbow = 3, expected it in [-2, 2]");
+  CHECK_THAT(files.failure(head + "arm.valid('ready')"), Contains("called with a colon"));
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { base = 'planar' }):valid({0, 0, 0, 0, 0, 0, 0, 0, 0})"),
+             Contains("the world is missing"));
+  // Robots of the plane and bodies have it, too.
+  CHECK(dsl::Session("").evaluate("return robot.disc(1):valid({0.5, 5}, world { bounds = {0, 0, 9, 9} })",
+                                  "t.lua")[0] == "false");
+  CHECK(dsl::Session("").evaluate("return robot.arm { links = {1, 1} }:valid {0, 1}", "t.lua")[0] == "true");
+}
+
+TEST_CASE("the validity of a problem is false for an invalid end, and reading it deals with the fault") {
+  const RobotFolder files;
+  const std::string sampled =
+      head +
+      "local function ok(elbow) return problem { world = w, robot = arm, start = {0, 0.1, elbow, 0, 0, 0}, goal = "
+      "'aside' }.valid end ";
+  CHECK(files.values(sampled + "return ok(0.5), ok(3), ok(0.5), ok(-2.5)") ==
+        std::vector<std::string>{"true", "false", "true", "false"});
+  CHECK(files
+            .values(head +
+                    "return problem { world = w, robot = arm, start = 'ready', goal = reach { link = 'tool', pose "
+                    "= pose {9, 0, 0} } }.valid")
+            .front() == "false");
+  // Unread it is a mistake, and so is a problem that is used all the same.
+  const std::string invalid =
+      "local p = problem { world = w, robot = arm, start = {0, 0.1, 3, 0, 0, 0}, goal = 'aside' } ";
+  CHECK_THAT(files.failure(head + invalid), Contains("elbow = 3"));
+  CHECK_THAT(files.failure(head + invalid + "local v = p.valid local s = p.start"), Contains("elbow = 3"));
+  CHECK_THAT(files.failure(head + invalid +
+                           "local v = p.valid return experiment { problems = {p}, strategies = { a = "
+                           "rrt_connect {} } }"),
+             Contains("elbow = 3"));
+  CHECK(files
+            .values(head + "return (pcall(problem, { world = w, robot = arm, start = {0, 0.1, 3, 0, 0, 0}, goal = "
+                           "'aside' }))")
+            .front() == "false");
+}
+
+TEST_CASE("a robot solves its inverse kinematics, and lists its joints with their limits") {
+  const RobotFolder files;
+  const std::string at = head + "local p = arm:pose(arm.states.aside, 'tool') ";
+  CHECK(files.values(at +
+                     "local found = arm:ik { link = 'tool', pose = p, world = w, count = 3 } local near = true for _, "
+                     "q in ipairs(found) do local at = arm:pose(q, 'tool').position near = near and math.abs(at[1] - "
+                     "p.position[1]) < 1e-3 and arm:valid(q, w) end return #found, near") ==
+        std::vector<std::string>{"3", "true"});
+  // From a configuration: the nearest to it comes first.
+  CHECK(files
+            .values(at +
+                    "local q = arm:ik { link = 'tool', pose = p, seed = 'aside' }[1] return q[1] == 2.0 and q[2] == "
+                    "0.2")
+            .front() == "true");
+  const auto none =
+      files.values(head + "local found, why = arm:ik { link = 'tool', pose = pose {9, 0, 0} } return #found, why");
+  CHECK(none[0] == "0");
+  CHECK_THAT(none[1], Contains("likely out of reach"));
+  CHECK_THAT(files.failure(head + "arm:ik { link = 'tol', pose = pose {} }"), Contains("did you mean 'tool'?"));
+  CHECK_THAT(files.failure(head + "arm:ik { link = 'tool' }"), Contains("field 'pose' is missing"));
+  CHECK_THAT(files.failure(head + "arm:ik { link = 'tool', pose = pose {}, cuont = 2 }"),
+             Contains("unknown option 'cuont' (did you mean 'count'?)"));
+  CHECK(files.values("local j = (" + arm +
+                     "):joints() return #j, j[1].name, j[1].kind, j[1].lower, j[2].kind, j[3].upper, "
+                     "j[3].velocity") ==
+        std::vector<std::string>{"6", "turn", "continuous", "nil", "prismatic", "2.0", "nil"});
+  CHECK(files.values("return #(" + arm + ").joints, (" + arm + ").joints[2]") == std::vector<std::string>{"6", "lift"});
+}
+
+TEST_CASE("the bounds of a world contain nothing of an arm with a fixed base, unless a script says so") {
+  const RobotFolder files;
+  const auto valid = [&](const std::string& options, const std::string& robot) {
+    return files
+        .values("local r = " + robot +
+                " return r:valid(r.states and r.states.ready or {0.5, 0.5, 0, 0, 0.1, 0.5, "
+                "0, 0.3, 0}, world { bounds = {0, 0, 0, 1, 1, 1}" +
+                options + " })")
+        .front();
+  };
+  CHECK(valid("", arm) == "true");
+  CHECK(valid(", contain = 'robot'", arm) == "false");
+  CHECK(valid("", "robot.urdf('six.urdf', { base = 'planar' })") == "false");
+}

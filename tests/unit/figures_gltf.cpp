@@ -12,6 +12,8 @@
 #include <trellis/base/error.hpp>
 #include <trellis/figures/base64.hpp>
 #include <trellis/figures/gltf.hpp>
+#include <trellis/reader/robot_files.hpp>
+#include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 
 #ifdef TRELLIS_TINYGLTF
@@ -20,6 +22,8 @@
 
 #include "report_folder.hpp"
 #include "support/catch.hpp"
+#include "support/folder.hpp"
+#include "support/manipulators.hpp"
 #include "support/space.hpp"
 #include "support/worlds.hpp"
 
@@ -226,6 +230,41 @@ TEST_CASE("glTF of a run moves the robot of each level along the path that it fo
   CHECK(notes == std::vector<std::string>{"simple_passage: no glTF, its world is planar"});
   CHECK(folder.files() == Files{"slot/rrt_connect.glb", "slot/nested.glb"});
   CHECK(read(folder.path() / "slot/nested.glb") == gltf(problem, nested, GltfForm::binary));
+}
+
+TEST_CASE("glTF of an arm moves it at the limits of its joints, and stops where the path bends", "[figures]") {
+  const test::Folder folder;
+  ManipulatorFiles files;
+  files.urdf = folder.write("six.urdf", test::six_joints);
+  std::vector<std::string> warnings;
+  Problem problem;
+  problem.name = "arm";
+  problem.scene = std::make_shared<const ManipulatorScene>(World3({{-2, -2, -2}, {2, 2, 2}}, {}, Contain::none),
+                                                           read_manipulator(files, warnings));
+  problem.space = problem.scene->default_space(1.0);
+  problem.start = {0, 0.1, 0, 0, 0, 0};
+  problem.goals = {{1, 0.1, 1, 0, 0, 0}};
+  RunResult run;
+  run.levels.emplace_back();
+  LevelRecord& record = run.levels.front().record;
+  record.space = problem.space;
+  record.scene = problem.scene;
+  record.solution.path = Configurations(6);
+  for (const Configuration& q : {problem.start, Configuration{1, 0.1, 0, 0, 0, 0}, problem.goals.front()}) {
+    record.solution.path.push(q);
+  }
+  for (const double acceleration : {1.0, 4.0}) {
+    // Two legs of 1 rad: a triangle of speeds at 1 rad/s^2, a trapezoid with at most 1 rad/s at 4.
+    const double expected = acceleration == 1.0 ? 4.0 : 2.5;
+    const Glb glb = glb_of(gltf(problem, run, GltfForm::binary, {.velocity = 1.0, .acceleration = acceleration}));
+    REQUIRE(glb.json.contains("animations"));
+    for (const Json& animation : glb.json["animations"]) {
+      const auto times = numbers(glb, animation["samplers"][0]["input"].get<std::size_t>());
+      CHECK(times.front() == 0.0);
+      CHECK(times.back() == Approx(expected));
+      CHECK(std::is_sorted(times.begin(), times.end(), std::less_equal<>()));
+    }
+  }
 }
 
 TEST_CASE("another reader of glTF reads the same", "[figures]") {

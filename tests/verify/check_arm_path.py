@@ -991,8 +991,8 @@ def check_document(options):
             raise Unreadable(f"the script has no problem {{ name = \"{name}\" }} that is written out")
         if name not in checkers:
             checkers[name] = read_problem(script, script.problems[name], folder, options)
-            if described[name].get("joints"):
-                checkers[name].joints = described[name]["joints"]
+            if described[name].get("coordinates") and not options.joints:
+                checkers[name].joints = described[name]["coordinates"]
         checker = checkers[name]
         if len(run["path"][0]) != len(checker.joints):
             raise Unreadable(f"'{name}': {len(run['path'][0])} coordinates, but {len(checker.joints)} joints move: "

@@ -15,9 +15,8 @@ local pick = problem {
   name = "pick", world = shelf, robot = picker, resolution = 0.04, start = "home",
   goal = reach { link = "grasp", pose = pose {0.68, 0.15, 0.74, rpy = {0, math.pi / 2, 0}}, within = {0.02, 1} },
 }
--- The straight motion folds the arm onto its base.
 local fold = problem { name = "fold", world = shelf, robot = folding, start = {0.9, -2.4}, goal = {-0.6, 2.4} }
 
 return experiment {
-  problems = { pick, fold }, strategies = { { "rrt_connect", rrt_connect { step = 0.5 } } }, seeds = 5, measure = false,
+  problems = { pick, fold }, strategies = { { "rrt_connect", rrt_connect { step = 0.5 } } }, seeds = 2, measure = false,
 }

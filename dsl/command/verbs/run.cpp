@@ -45,6 +45,7 @@
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/trajectory.hpp>
 
 namespace trellis::command {
 
@@ -69,6 +70,9 @@ struct RunOptions {
   std::string samples;                 ///< a folder, "" if not given
   std::string figures;                 ///< a folder, "" if not given
   std::string gltf;                    ///< a folder, "" if not given
+  std::string trajectory;              ///< a file, "" if not given
+  std::optional<double> velocity;      ///< TrajectorySettings
+  std::optional<double> acceleration;  ///< likewise
   std::string out;                     ///< a folder for tables, figures and the document, "" if not given
   std::string learn;                   ///< a library of paths, "" if not given
   std::optional<double> novelty;       ///< metres
@@ -320,13 +324,44 @@ void check_combination(const RunOptions& options) {
     throw Error("--watch: the folder of --out belongs to one state of the script; use --json, --html or --figures");
   }
   if (options.novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
+  for (const auto& [name, value] :
+       {std::pair{"--velocity", options.velocity}, std::pair{"--acceleration", options.acceleration}}) {
+    if (!value) continue;
+    if (options.trajectory.empty() && options.gltf.empty()) {
+      throw Error(fmt::format("{}: nothing is timed without --trajectory or --gltf", name));
+    }
+    if (!(*value > 0.0)) throw Error(fmt::format("{}: it must be greater than 0", name));
+  }
+  if (!options.trajectory.empty()) {
+    try {
+      static_cast<void>(trajectory_form(options.trajectory));
+    } catch (const Error& error) {
+      throw Error(fmt::format("--trajectory: {}", error.what()));
+    }
+  }
   check_format(options.style, !options.out.empty());
+}
+
+TrajectorySettings trajectory_settings(const RunOptions& options) {
+  TrajectorySettings settings;
+  settings.velocity = options.velocity.value_or(settings.velocity);
+  settings.acceleration = options.acceleration.value_or(settings.acceleration);
+  return settings;
+}
+
+/// Writes the path of the first solved run with its times.
+void write_trajectory(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options) {
+  const TimedRun timed = timed_run(experiment, result, trajectory_settings(options));
+  write_file(options.trajectory, trajectory_text(timed, trajectory_form(options.trajectory)));
+  if (options.quiet) return;
+  print_message(fmt::format("{}: problem {}, strategy {}, seed {}, {:.3g} s", options.trajectory, timed.run->problem,
+                            timed.run->strategy, timed.run->seed, timed.path.duration()));
 }
 
 /// Whether there is an output beside that of --out.
 bool has_other_outputs(const RunOptions& options) {
-  const std::array outputs = {&options.json,    &options.csv,  &options.html, &options.samples,
-                              &options.figures, &options.gltf, &options.learn};
+  const std::array outputs = {&options.json,    &options.csv,  &options.html,  &options.samples,
+                              &options.figures, &options.gltf, &options.learn, &options.trajectory};
   return std::any_of(outputs.begin(), outputs.end(), [](const std::string* output) { return !output->empty(); });
 }
 
@@ -394,6 +429,7 @@ int run(const RunOptions& options) {
   if (!options.json.empty()) require_writable_file(options.json);
   if (!options.csv.empty()) require_writable_file(options.csv);
   if (!options.html.empty()) require_writable_file(options.html);
+  if (!options.trajectory.empty()) require_writable_file(options.trajectory);
   OutputFolder samples(options.samples);
   OutputFolder figures(options.figures);
   OutputFolder gltf(options.gltf);
@@ -446,10 +482,11 @@ int run(const RunOptions& options) {
     write_comparison_figures(cost_data(facts, summary), options.figures, drawing.style);
   });
   writers.attempt(!options.gltf.empty(), [&] {
-    for (const std::string& note : write_gltf(experiment, result, options.gltf)) {
+    for (const std::string& note : write_gltf(experiment, result, options.gltf, trajectory_settings(options))) {
       if (!options.quiet) print_message(note);
     }
   });
+  writers.attempt(!options.trajectory.empty(), [&] { write_trajectory(experiment, result, options); });
   writers.attempt(!options.learn.empty(),
                   [&] { learn(experiment, result, options.learn, options.novelty, options.quiet); });
   warn(program, result, !resume || !resume->restored());
@@ -510,6 +547,13 @@ void add_run(CommandLine& line) {
   verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
   verb.text("--gltf", "FOLDER", options->gltf,
             "write the motions in space as glTF 2.0 into a folder, a file for each strategy");
+  verb.text("--trajectory", "FILE", options->trajectory,
+            "write the path of the first solved run with times, which keep the joints' limits and stop where it bends: "
+            "a JointTrajectory of ROS (.yaml), or a table (.csv)");
+  verb.number("--velocity", "SPEED", 0.0, options->velocity,
+              "of joints whose URDF file states none, in rad/s or m/s (default 1), for --trajectory and --gltf");
+  verb.number("--acceleration", "RATE", 0.0, options->acceleration,
+              "of all joints, in rad/s^2 or m/s^2 (default 1), for --trajectory and --gltf");
   verb.text("--out", "FOLDER", options->out,
             "write tables, the document and figures into a folder, problem by problem; continues when repeated");
   verb.flag("--restart", options->restart, "delete the records in the folder of --out and start again");

@@ -80,7 +80,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_spatial_world(stack, place, book->warnings);
   open_manipulator(stack, place, book->warnings);
   open_motion(stack);
-  open_problem(stack);
+  open_problem(stack, book->warnings);
   open_measure(stack, book->each, book->given);
   open_guiding_space(stack, book);
   open_publication(stack);

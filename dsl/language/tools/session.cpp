@@ -175,6 +175,8 @@ void Session::run(const std::string& text, const std::string& name, const std::f
             if (!mistakes.empty() && stack.size() == 0) return;  // the value that it would return may be missing
             try {
               read(stack);
+            } catch (const lua::Located&) {
+              throw;
             } catch (const Error& error) {
               throw lua::Located(last_line(text, name).prefix() + error.what());
             }

@@ -13,6 +13,7 @@
 #include <dsl/language/core/word.hpp>
 #include <dsl/language/words/configuration.hpp>
 #include <dsl/language/words/problem.hpp>
+#include <dsl/language/words/robot_queries.hpp>
 #include <dsl/language/words/spatial_world.hpp>
 #include <dsl/language/words/world.hpp>
 #include <trellis/base/error.hpp>
@@ -96,14 +97,17 @@ const Construct& reach_construct() {
       .name = "reach",
       .usage = "reach { link = \"panda_hand\", pose = pose {0.5, 0, 0.4, rpy = {math.pi, 0, 0}} }",
       .summary =
-          "a goal of a robot of a URDF file: a link at a pose of the world; inverse kinematics finds up to ten valid "
-          "configurations for it, each of which is a goal",
+          "a start or goal of a robot of a URDF file: a link at a pose of the world; inverse kinematics finds up to "
+          "ten "
+          "valid configurations for a goal, each of which is one. Of a team the link is named with the robot's number, "
+          "as '2/panda_hand', or a list has an element for each robot",
       .list = "",
       .element = "",
       .fields = {{"link", "string", "the name of a link", "whose frame is to be at the pose", true},
                  {"pose", "trellis.Pose", "a pose, as pose {0.5, 0, 0.4}", "where, in the world", true},
                  {"within", "number[]", "a list of 2 numbers greater than 0: metres, radians",
-                  "how near to the pose's position and orientation", false, "{0.001, 0.01}"}},
+                  "how near to the pose's position and orientation; of pi or more radians any orientation will do",
+                  false, "{0.001, 0.01}"}},
       .options = {},
       .returns = "trellis.Reach"};
   return construct;
@@ -114,6 +118,7 @@ int make_reach(Stack& call) {
   LinkGoal goal;
   goal.link = arguments.string("link").value_or("");
   goal.pose = pose_of(arguments);
+  goal.hint = pose_hint(call, goal.pose);
   if (arguments["within"].given()) {
     const auto within = read_numbers(arguments["within"], "reach: field 'within'");
     if (within.size() != 2 || !(within[0] > 0.0) || !(within[1] > 0.0)) arguments.reject("within");
@@ -133,13 +138,17 @@ int print_reach(Stack& call) {
 const std::vector<Field>& members() {
   static const std::vector<Field> list = {
       {"name", "string", "", "of the robot in its URDF file"},
-      {"joints", "string[]", "", "the names of its coordinates, in order"},
+      {"joints", "string[]|fun(self: trellis.Manipulator): trellis.Joint[]", "",
+       "the names of its coordinates, in order; as a method robot:joints() what is known of each"},
       {"links", "string[]", "", "the names of its links, with those that `attach` added"},
       {"states", "table<string, number[]>", "", "its named configurations, which `start` and `goal` may name"},
       {"base", "trellis.Pose", "", "where its base is in the world"},
       {"bounding_radius", "number", "", "no point of it is ever farther than this from its base, in metres"},
       {"pose", "fun(self: trellis.Manipulator, q: number[], link: string): trellis.Pose", "",
        "where a link is in the world at a configuration (forward kinematics)"},
+      valid_member_of("trellis.Manipulator"),
+      {"ik", "fun(self: trellis.Manipulator, options: table): number[][], string?", "",
+       ik_construct().summary + ": " + ik_construct().usage},
       {"attach", "fun(self: trellis.Manipulator, shape: trellis.Shape, options: table): trellis.Manipulator", "",
        R"(the robot with a shape that a link carries: arm:attach(shape, { link = "hand", touch = {"finger"} }))"}};
   return list;
@@ -175,33 +184,6 @@ void push_names(Stack& stack, const std::vector<std::string>& names) {
     stack.push(name);
     stack.append(list);
   }
-}
-
-/// Throws for a table that has other fields than the construct.
-void check_fields(const Construct& construct, Value table) {
-  if (table.type() != Type::table) {
-    throw Error(fmt::format("{}: after the {} a table belongs, as in {}; got {}", construct.name,
-                            construct.arguments.front().name, construct.usage, describe(table)));
-  }
-  std::vector<std::string> known;
-  for (const Field& field : construct.fields) known.push_back(field.name);
-  for (const Option& option : construct.options.options) known.push_back(option.name);
-  const lua::Keys keys = table.keys();
-  if (keys.length > 0 || !keys.odd.empty()) {
-    throw Error(fmt::format("{}: its options have names, as in {}", construct.name, construct.usage));
-  }
-  lua::Faults faults;
-  for (const std::string& name : keys.names) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    faults.add(fmt::format("{}: unknown option '{}'{}; its options are: {}", construct.name, name,
-                           did_you_mean(name, known), fmt::join(known, ", ")));
-  }
-  for (const Field& field : construct.fields) {
-    if (field.required && !table.field(field.name).given()) {
-      faults.add(fmt::format("{}: field '{}' is missing: {}", construct.name, field.name, field.expects));
-    }
-  }
-  faults.raise();
 }
 
 std::vector<std::string> names_in(Value list, const std::string& what) {
@@ -360,14 +342,22 @@ int pose_of_link(Stack& call) {
   return call.result(robot->base() * robot->robot().pose_of(link, q));
 }
 
-int read_member(Stack& call) {
+int read_member(Stack& call, const std::shared_ptr<RobotChecks>& checks) {
   const SphereModel& robot = *call[1].get<SphereModel>();
   const auto name = call[2].string();
   if (name == "name") return call.result(robot.robot().tree().name());
   if (name == "bounding_radius") return call.result(robot.bounding_radius());
   if (name == "base") return call.result(robot.base());
   if (name == "joints") {
-    push_names(call, coordinates(robot));
+    push_joints(call, robot);
+    return 1;
+  }
+  if (name == "valid") {
+    push_valid(call, checks);
+    return 1;
+  }
+  if (name == "ik") {
+    push_ik(call);
     return 1;
   }
   if (name == "links") {
@@ -402,16 +392,55 @@ int print(Stack& call) {
 
 }  // namespace
 
+void check_fields(const Construct& construct, Value table) {
+  if (table.type() != Type::table) {
+    throw Error(fmt::format("{}: {} a table belongs, as in {}; got {}", construct.name,
+                            construct.arguments.empty() ? "here" : "after the " + construct.arguments.front().name,
+                            construct.usage, describe(table)));
+  }
+  std::vector<std::string> known;
+  for (const Field& field : construct.fields) known.push_back(field.name);
+  for (const Option& option : construct.options.options) known.push_back(option.name);
+  const lua::Keys keys = table.keys();
+  if (keys.length > 0 || !keys.odd.empty()) {
+    throw Error(fmt::format("{}: its options have names, as in {}", construct.name, construct.usage));
+  }
+  lua::Faults faults;
+  for (const std::string& name : keys.names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    faults.add(fmt::format("{}: unknown option '{}'{}; its options are: {}", construct.name, name,
+                           did_you_mean(name, known), fmt::join(known, ", ")));
+  }
+  for (const Field& field : construct.fields) {
+    if (field.required && !table.field(field.name).given()) {
+      faults.add(fmt::format("{}: field '{}' is missing: {}", construct.name, field.name, field.expects));
+    }
+  }
+  faults.raise();
+}
+
 std::vector<const Construct*> manipulator_constructs() { return {&urdf_construct(), &reach_construct()}; }
 
 std::vector<ObjectType> manipulator_types() {
   return {{"trellis.Manipulator", "a robot of links and joints from a URDF file", "", members(), {}},
-          {"trellis.Reach", "a goal of a link", "", {}, {}}};
+          {"trellis.Joint",
+           "a coordinate of a robot of a URDF file",
+           "",
+           {{"name", "string", "", "as in `joints`"},
+            {"kind", "string", "", "of its joint: revolute, continuous, prismatic or planar"},
+            {"lower", "number?", "", "lower limit, in radians or metres; nil where it has none"},
+            {"upper", "number?", "", "upper limit"},
+            {"velocity", "number?", "",
+             "its greatest speed, in radians or metres a second; nil where the file states none"}},
+           {}},
+          {"trellis.Reach", "a pose of a link, for start and goal", "", {}, {}}};
 }
 
 void open_manipulator(Stack& stack, const ScriptPlace& place,
                       const std::shared_ptr<std::vector<std::string>>& warnings) {
-  stack.declare<SphereModel>({{"__tostring", print}, {"__index", read_member}});
+  stack.declare<SphereModel>({{"__tostring", print}, {"__index", [checks = make_robot_checks()](Stack& call) {
+                                                        return read_member(call, checks);
+                                                      }}});
   stack.declare<LinkGoal>({{"__tostring", print_reach}});
   stack.push_function(make_reach);
   stack.set_global(reach_construct().name);

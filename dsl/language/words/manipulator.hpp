@@ -22,7 +22,11 @@ struct LinkGoal {
   Pose3 pose;
   double near = 1e-3;  ///< metres
   double turn = 1e-2;  ///< radians
+  std::string hint;    ///< what is probably a mistake in the pose, after a failure's message; "" for nothing
 };
+
+/// \throws Error for a table that has other fields than the construct, or lacks a required one
+void check_fields(const Construct& construct, lua::Value table);
 
 /// Registers `reach`, and adds `urdf` to the table of robots, which open_world made.
 /// \param place  of the script, whose files it reads

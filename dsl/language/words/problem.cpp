@@ -17,12 +17,14 @@
 #include <dsl/language/core/script_place.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/core/word.hpp>
+#include <dsl/language/words/ends.hpp>
 #include <dsl/language/words/manipulator.hpp>
 #include <dsl/language/words/motion.hpp>
 #include <dsl/language/words/scene_values.hpp>
 #include <trellis/base/input_file.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/experiment/input_warnings.hpp>
+#include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/instance/resolve_goal.hpp>
 #include <trellis/motion/team_model.hpp>
@@ -36,6 +38,9 @@ namespace {
 
 using lua::Stack;
 using lua::Value;
+
+/// The member of a problem that says whether start and goals are valid.
+constexpr const char* valid_member = "valid";
 
 // The settings that problems of scripts and problems of files share.
 struct LoadSettings {
@@ -107,145 +112,6 @@ const Settings<LoadSettings>& load_settings() {
   return settings;
 }
 
-std::string axes_of(const Space& space) {
-  std::string names;
-  for (const auto& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
-  return names;
-}
-
-/// Returns a pose as a configuration.
-/// \param what  names it in messages: "problem: field 'start'"
-Configuration configuration_of(const Pose3& pose, const std::string& what, const Scene& scene, const Space& space) {
-  const auto& [x, y, z] = pose.position;
-  if (scene.planar() != nullptr) {
-    throw Error(
-        fmt::format("{} is a pose, which places a body in space, and this world is the plane: give a list of {} "
-                    "numbers ({}){}",
-                    what, space.dimension(), axes_of(space),
-                    scene.translates() && space.dimension() == 3
-                        ? fmt::format(", as {{{:g}, {:g}, 0}} with the angle in radians", x, y)
-                        : ""));
-  }
-  const Quaternion& turn = pose.orientation;
-  if (space.dimension() == 7 && !space.flat()) return {x, y, z, turn.x, turn.y, turn.z, turn.w};
-  if (space.dimension() == 3 && turn == Quaternion{}) return {x, y, z};
-  throw Error(fmt::format("{} is a pose, which a configuration of this robot is not: it has {} coordinates ({})", what,
-                          space.dimension(), axes_of(space)));
-}
-
-/// Brings quaternions that were written with few decimals to norm 1.
-void normalise_quaternions(MutableView q, const std::string& what, const Space& space) {
-  for (const Factor& factor : space.factors()) {
-    if (factor.kind != Factor::Kind::rotation) continue;
-    const MutableView part = q.subspan(factor.column, factor.width());
-    double length = 0.0;
-    for (const double x : part) length += x * x;
-    length = std::sqrt(length);
-    constexpr double rounding = 1e-3;
-    if (!(std::abs(length - 1.0) <= rounding)) {
-      const bool alone = factor.column == 3 && space.factors().size() == 4;
-      throw Error(
-          fmt::format("problem: {}: its {} are the quaternion x, y, z, w of {}, of norm 1; this one has norm {:g}. A "
-                      "pose is easier "
-                      "to write: pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
-                      what,
-                      alone ? "last 4 coordinates"
-                            : fmt::format("coordinates {} to {}", factor.column + 1, factor.column + factor.width()),
-                      alone ? "the body's orientation" : "an orientation", length,
-                      fmt::join(factor.column >= 3 ? q.subspan(factor.column - 3, 3) : q.first(factor.column), ", ")));
-    }
-  }
-  space.normalise(q);
-}
-
-/// \param what  names it in messages: "field 'start'"
-Configuration state_named(const std::string& name, const std::string& what, const SphereModel& robot) {
-  std::vector<std::string> known;
-  for (const SphereModel::State& state : robot.states()) {
-    if (state.name == name) return state.q;
-    known.push_back(state.name);
-  }
-  throw Error(fmt::format("problem: {}: robot '{}' has no configuration '{}'{}; {}", what, robot.robot().tree().name(),
-                          name, did_you_mean(name, known),
-                          known.empty() ? "its SRDF file names none for the joints that move"
-                                        : fmt::format("there are: {}", fmt::join(known, ", "))));
-}
-
-/// Of each robot of a team the coordinates of a configuration, with those of its velocities.
-std::vector<std::vector<std::size_t>> columns_of(const Problem& problem) {
-  std::vector<std::vector<std::size_t>> columns;
-  if (const TeamModel* team = problem.motion_model ? team_model(*problem.motion_model) : nullptr) {
-    for (const TeamModel::Part& part : team->parts()) columns.push_back(part.columns);
-    return columns;
-  }
-  for (const TeamMember& member : problem.scene->members()) columns.push_back(member.axes);
-  return columns;
-}
-
-/// Whether a value lists configurations of the robots of a team, and not of the team: each is shorter.
-bool is_of_members(Value value, const std::vector<std::vector<std::size_t>>& members) {
-  if (members.size() < 2 || value.type() != lua::Type::table) return false;
-  std::size_t whole = 0;
-  for (const auto& columns : members) whole += columns.size();
-  std::size_t elements = 0;
-  bool fits = true;
-  value.each([&](std::size_t, Value element) {
-    ++elements;
-    if (element.get<Pose3>() != nullptr) return;
-    if (element.type() != lua::Type::table) {
-      fits = false;
-      return;
-    }
-    std::size_t length = 0;
-    element.each([&](std::size_t, Value number) {
-      ++length;
-      fits = fits && number.type() != lua::Type::table;
-    });
-    fits = fits && length < whole;
-  });
-  return fits && elements > 0;
-}
-
-Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
-  const Space& space = problem.space;
-  if (const auto members = columns_of(problem); is_of_members(value, members)) {
-    Configuration q(space.dimension());
-    std::size_t count = 0;
-    value.each([&](std::size_t i, Value element) {
-      if (++count > members.size()) return;
-      const std::vector<std::size_t>& axes = members[i - 1];
-      const auto* pose = element.get<Pose3>();
-      const std::string of_robot = fmt::format("problem: robot {} of {}", i, what);
-      const Configuration own = pose != nullptr ? configuration_of(*pose, of_robot, *problem.scene,
-                                                                   space.part(axes, fmt::format("robot {}", i)))
-                                                : read_numbers(element, of_robot);
-      if (own.size() != axes.size()) {
-        throw Error(fmt::format("problem: {}: robot {} has {} coordinates, got {}", what, i, axes.size(), own.size()));
-      }
-      for (std::size_t j = 0; j < axes.size(); ++j) q[axes[j]] = own[j];
-    });
-    if (count != members.size()) {
-      throw Error(fmt::format("problem: {} must have a configuration for each of {} robots, got {}", what,
-                              members.size(), count));
-    }
-    if (!space.flat()) normalise_quaternions(q, what, space);
-    return q;
-  }
-  if (const auto name = value.string(); name && problem.scene->manipulator() != nullptr) {
-    return state_named(*name, what, problem.scene->manipulator()->robot);
-  }
-  if (const auto* pose = value.get<Pose3>()) {
-    return configuration_of(*pose, "problem: " + what, *problem.scene, space);
-  }
-  auto q = read_numbers(value, fmt::format("problem: {}", what));
-  if (q.size() != space.dimension()) {
-    throw Error(fmt::format("problem: {} must have {} coordinates ({}), got {}", what, space.dimension(),
-                            axes_of(space), q.size()));
-  }
-  if (!space.flat()) normalise_quaternions(q, what, space);
-  return q;
-}
-
 /// The weight of rotations: the one given; else of a body in space its bounding radius, so that the metric bounds how
 /// far its points move, and of a manipulator 1.
 double weight_of(const Scene& scene, double weight, bool given) {
@@ -263,47 +129,6 @@ std::string backend_of(const Scene& scene, const std::string& collision) {
                           : scene.manipulator() != nullptr ? "a manipulator"
                                                            : "space",
                           fmt::join(known, " and ")));
-}
-
-/// The configurations that bring a link to its goal.
-std::vector<Configuration> reaching(const LinkGoal& goal, const Problem& problem) {
-  const ManipulatorScene* scene = problem.scene->manipulator();
-  if (scene == nullptr) {
-    throw Error(
-        fmt::format("problem: field 'goal' is reach {{ ... }}, which is for a robot of a URDF file, and this is "
-                    "'{}'",
-                    problem.scene->robot_name()));
-  }
-  const KinematicTree& tree = scene->robot.robot().tree();
-  if (const auto link = tree.find_link(goal.link)) {
-    return configurations_at(problem, *link, goal.pose, goal.near, goal.turn);
-  }
-  std::vector<std::string> known;
-  for (const Link& one : tree.links()) known.push_back(one.name);
-  throw Error(fmt::format("problem: field 'goal': robot '{}' has no link '{}'{}; there are: {}", tree.name(), goal.link,
-                          did_you_mean(goal.link, known), fmt::join(known, ", ")));
-}
-
-/// One goal, or a list of them.
-void read_goals(Value value, Problem& problem) {
-  if (const auto* goal = value.get<LinkGoal>()) {
-    problem.goals = reaching(*goal, problem);
-    return;
-  }
-  bool several = false;
-  if (value.type() == lua::Type::table && !is_of_members(value, columns_of(problem))) {
-    value.each([&](std::size_t i, Value element) {
-      const bool whole = element.type() == lua::Type::table || element.get<Pose3>() != nullptr || element.string();
-      several = several || (i == 1 && whole);
-    });
-  }
-  if (!several) {
-    problem.goals = {read_configuration(value, "field 'goal'", problem)};
-    return;
-  }
-  value.each([&](std::size_t i, Value element) {
-    problem.goals.push_back(read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem));
-  });
 }
 
 /// The motion models that a field lists, or the one that it is; none where it is neither.
@@ -376,7 +201,7 @@ void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& fault
   faults.attempt([&] { problem.collision = backend_of(*problem.scene, settings.collision); });
 }
 
-int make_problem(Stack& call) {
+int make_problem(Stack& call, std::vector<std::string>& warnings) {
   lua::Faults faults;
   const Arguments arguments(problem_construct(), call, faults);
   if (!arguments.readable()) faults.raise();
@@ -387,22 +212,37 @@ int make_problem(Stack& call) {
     if (problem.name.empty()) throw Error("problem: field 'name' must not be empty");
   });
   const bool motion = arguments["motion"].given();
+  // A start or goal that is not valid is no mistake of a script that reads `valid`.
+  std::optional<InvalidEnd> invalid;
+  const auto read = [&](const auto& body) {
+    return faults.attempt([&] {
+      try {
+        body();
+      } catch (const InvalidEnd& error) {
+        if (!invalid) invalid = error;
+      }
+    });
+  };
   if (problem.scene && motion == static_cast<bool>(problem.motion_model)) {
     if (const Value start = arguments["start"]; start.given()) {
-      faults.attempt([&] { problem.start = read_configuration(start, "field 'start'", problem); });
+      read([&] { problem.start = read_start(start, problem); });
     }
     if (const Value goal = arguments["goal"]; goal.given()) {
-      faults.attempt([&] { read_goals(goal, problem); });
+      read([&] { problem.goals = read_goals(goal, problem, warnings); });
     }
   }
   faults.raise();
+  if (invalid) throw lua::DeniedError(valid_member, invalid->what());
   try {
     check(problem);
   } catch (const Error& error) {
+    std::vector<Configuration> ends = problem.goals;
+    ends.insert(ends.begin(), problem.start);
+    std::string message = error.what() + degrees_hint(problem, ends);
     // A mesh of another unit often covers start and goal.
-    const std::string hint = unit_warning(problem);
-    if (hint.empty()) throw;
-    throw Error(fmt::format("{}; {}", error.what(), hint));
+    if (const std::string hint = unit_warning(problem); !hint.empty()) message += "; " + hint;
+    if (dynamic_cast<const InvalidEnd*>(&error) != nullptr) throw lua::DeniedError(valid_member, message);
+    throw Error(message);
   }
   return call.result(std::move(problem));
 }
@@ -452,7 +292,7 @@ const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
       {"contact_tolerance", [](Stack& call, const Problem& p) { call.push(certificate_tolerance(p)); }},
       {"resolution", [](Stack& call, const Problem& p) { call.push(p.resolution); }},
       {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }},
-      {"valid", [](Stack& call, const Problem& p) { call.push(ends_are_valid(p)); }}};
+      {valid_member, [](Stack& call, const Problem& p) { call.push(ends_are_valid(p)); }}};
   return fields;
 }
 
@@ -531,15 +371,17 @@ const Construct& problem_construct() {
           {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
            {"world", "trellis.World", "a world", "as world { ... } makes it", true},
            {"robot", "trellis.Robot|trellis.Manipulator", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
-           {"start", "number[]|trellis.Pose|string", "a list of numbers, a pose, or a name",
-            "the start configuration, in metres and radians; with a motion model its velocities follow; of a body "
-            "in space its pose, or x, y, z and a quaternion x, y, z, w; of a manipulator also the name of a state",
+           {"start", "number[]|table<string, number>|trellis.Pose|string|trellis.Reach",
+            "a list of numbers, a table as { lift = 0.1, elbow = 1 }, a pose, a name, or reach { ... }",
+            "the start configuration, in metres and radians: a list, or each coordinate by its name; with a motion "
+            "model its velocities follow; of a body in space its pose, or x, y, z and a quaternion x, y, z, w; of a "
+            "manipulator also the name of a state, or the pose of a link. A coordinate within 1e-6 of a bound is moved "
+            "to it",
             true},
-           {"goal", "number[]|number[][]|trellis.Pose|trellis.Pose[]|string|string[]|trellis.Reach",
-            "a list of numbers, a pose or a name, or a list of such; or reach { ... }",
-            "the goal configuration, in metres and radians, or several of which any will do; of a manipulator also the "
-            "pose of a link",
-            true},
+           {"goal",
+            "number[]|number[][]|table<string, number>|trellis.Pose|trellis.Pose[]|string|string[]|trellis.Reach|"
+            "trellis.Reach[]",
+            "as start, or a list of such", "the goal configuration, as start, or several of which any will do", true},
            {"motion", "trellis.Motion|trellis.Motion[]",
             "a motion model, as motion.unicycle1 {}, or of a team a list with one for each robot",
             "how the robot is driven; without one it moves straight to any configuration. It drives each robot of a "
@@ -556,9 +398,9 @@ ObjectType problem_type() {
     if (readable().contains(field.name)) type.members.push_back(std::move(field));
   }
   type.members.push_back(
-      {"valid", "boolean", "",
-       "whether start and goals are within their bounds and touch nothing, as problem { ... } demands; "
-       "those of a file need not be"});
+      {valid_member, "boolean", "",
+       "whether start and goals are within their bounds and touch nothing. A problem whose ends are not valid is an "
+       "error only where the script does not read this, or uses the problem all the same"});
   for (const Option& option : construct.options.options) {
     if (!readable().contains(option.name)) continue;
     type.members.push_back({option.name, option.type == Option::Type::choice ? "string" : "number", "", option.doc});
@@ -848,9 +690,9 @@ lua::Callback scene_finder(std::string script_folder, bool trust) {
   };
 }
 
-void open_problem(Stack& stack) {
+void open_problem(Stack& stack, const std::shared_ptr<std::vector<std::string>>& warnings) {
   stack.declare<Problem>({{"__tostring", problem_text}, {"__index", read_field}});
-  stack.push_function(make_problem);
+  stack.push_function([warnings](Stack& call) { return make_problem(call, *warnings); });
   stack.set_global(problem_construct().name);
 }
 

@@ -12,7 +12,8 @@
 namespace trellis::dsl {
 
 /// Registers `problem`.
-void open_problem(lua::Stack& stack);
+/// \param warnings  receives those about goals that nothing reaches
+void open_problem(lua::Stack& stack, const std::shared_ptr<std::vector<std::string>>& warnings);
 
 const Construct& problem_construct();
 /// scenes.load("FILE", { resolution = 0.02 }).

@@ -50,7 +50,9 @@ std::shared_ptr<const Scene> make_scene(AnyWorld world, AnyRobot robot) {
         spatial_world ? "robot.rigid { box {-0.3, -0.1, -0.1, 0.3, 0.1, 0.1} }" : "robot.rectangle(0.6, 0.2)"));
   }
   if (auto* manipulator = std::get_if<SphereModel>(&robot)) {
-    return std::make_shared<const ManipulatorScene>(std::get<World3>(std::move(world)), std::move(*manipulator));
+    World3 around = std::get<World3>(std::move(world));
+    if (manipulator->robot().has_fixed_base()) around = around.for_fixed_base();
+    return std::make_shared<const ManipulatorScene>(std::move(around), std::move(*manipulator));
   }
   if (spatial_world) {
     return std::make_shared<const SpatialScene>(std::get<World3>(std::move(world)), std::get<Robot3>(std::move(robot)));

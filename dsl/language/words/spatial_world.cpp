@@ -7,11 +7,13 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 
 #include <dsl/language/core/word.hpp>
 #include <dsl/language/words/configuration.hpp>
+#include <dsl/language/words/ends.hpp>
 #include <dsl/language/words/problem.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/reader/mesh_file.hpp>
@@ -222,7 +224,41 @@ Quaternion orientation_of(const Arguments& arguments) {
   return {};
 }
 
-int make_pose(Stack& call) {
+void add_once(const std::string& warning, std::vector<std::string>& warnings) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+}
+
+/// The hidden table of hints, by the numbers of the poses.
+constexpr const char* hints = "pose hints";
+
+std::string hint_key(const Pose3& pose) {
+  const auto& [position, turn] = pose;
+  return fmt::format("{} {} {} {} {} {} {}", position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w);
+}
+
+/// Notes a pose whose angles are probably degrees.
+void note_degrees(Stack& call, const Arguments& arguments, const Pose3& pose, std::vector<std::string>& warnings) {
+  std::string given;
+  double angle = 0.0;
+  const auto examine = [&](double x) { angle = std::abs(x) > 2.0 * std::numbers::pi && angle == 0.0 ? x : angle; };
+  if (arguments["rpy"].given()) {
+    const auto v = list_field(arguments, "rpy", 3, "pose");
+    for (const double x : v) examine(x);
+    given = fmt::format("rpy = {{{:g}}}", fmt::join(v, ", "));
+  } else if (const auto turn = arguments["angle"].number()) {
+    examine(*turn);
+    given = fmt::format("angle = {:g}", *turn);
+  }
+  if (angle == 0.0) return;
+  const std::string text = fmt::format("has {}: {}", given, radians_sentence(angle));
+  const Value table = call.push_hidden(hints);
+  call.push("; the pose " + text);
+  call.set_field(table, hint_key(pose));
+  const auto position = call.where();
+  add_once(fmt::format("{}the pose {}", position ? position->prefix() : "", text), warnings);
+}
+
+int make_pose(Stack& call, std::vector<std::string>& warnings) {
   const Arguments arguments(pose_construct, call);
   const auto at = numbers(pose_construct, arguments);
   if (!at.empty() && at.size() != 3) {
@@ -231,6 +267,7 @@ int make_pose(Stack& call) {
   Pose3 pose;
   if (!at.empty()) pose.position = {at[0], at[1], at[2]};
   pose.orientation = orientation_of(arguments);
+  note_degrees(call, arguments, pose, warnings);
   return call.result(pose);
 }
 
@@ -284,10 +321,6 @@ int make_convex(Stack& call) {
   auto hull = std::make_shared<const Mesh>(Mesh::hull(points, "convex"));
   return solid(call, arguments, fmt::format("convex of {} points", points.size()),
                {std::move(hull), pose_of(arguments)});
-}
-
-void add_once(const std::string& warning, std::vector<std::string>& warnings) {
-  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
 }
 
 int make_mesh(Stack& call, const ScriptPlace& place, std::vector<std::string>& warnings) {
@@ -399,6 +432,14 @@ Pose3 pose_of(const Arguments& arguments) {
   return *pose;
 }
 
+std::string pose_hint(Stack& stack, const Pose3& pose) {
+  const int before = stack.size();
+  const Value hint = stack.push_hidden(hints).field(hint_key(pose));
+  const std::string text = hint.string().value_or("");
+  stack.resize(before);
+  return text;
+}
+
 std::string pose_text(const Pose3& pose) {
   const auto& [x, y, z] = pose.position;
   std::string text = fmt::format("({:g}, {:g}, {:g})", x, y, z);
@@ -422,14 +463,15 @@ void open_spatial_world(Stack& stack, const ScriptPlace& place,
                         const std::shared_ptr<std::vector<std::string>>& warnings) {
   stack.declare<Pose3>({{"__tostring", print_pose}, {"__index", read_pose}});
   for (const auto& [construct, make] :
-       std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&pose_construct, make_pose},
-                                                                 {&sphere_construct(), make_sphere},
+       std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&sphere_construct(), make_sphere},
                                                                  {&cylinder_construct(), make_cylinder},
                                                                  {&capsule_construct(), make_capsule},
                                                                  {&convex_construct(), make_convex}}) {
     stack.push_function(make);
     stack.set_global(construct->name);
   }
+  stack.push_function([warnings](Stack& call) { return make_pose(call, *warnings); });
+  stack.set_global(pose_construct.name);
   stack.push_function([place, warnings](Stack& call) { return make_mesh(call, place, *warnings); });
   stack.set_global(mesh_construct().name);
   stack.push_function([place, warnings](Stack& call) { return make_cloud(call, place, *warnings); });

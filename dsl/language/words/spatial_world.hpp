@@ -31,6 +31,10 @@ const Field& pose_field();
 /// Returns the field `pose` of a call, the identity where it is not given.
 Pose3 pose_of(const Arguments& arguments);
 
+/// Returns "; the pose has rpy = {0, 90, 0}: angles are radians: write math.rad(90)" for a pose that a script gave an
+/// angle of more than a full turn, else "".
+std::string pose_hint(lua::Stack& stack, const Pose3& pose);
+
 /// "(1, 2, 3), turned by 1.57 rad about (0, 0, 1)".
 std::string pose_text(const Pose3& pose);
 

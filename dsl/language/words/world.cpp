@@ -14,6 +14,7 @@
 #include <dsl/language/core/nested_lists.hpp>
 #include <dsl/language/core/word.hpp>
 #include <dsl/language/words/configuration.hpp>
+#include <dsl/language/words/robot_queries.hpp>
 #include <dsl/language/words/spatial_world.hpp>
 #include <trellis/scene/planar/shapes.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
@@ -68,10 +69,12 @@ struct WorldSettings {
 const Settings<WorldSettings>& world_settings() {
   static const auto settings =
       Settings<WorldSettings>(Component::Kind::scene, "world", "a workspace", "")
-          .choice("contain", &WorldSettings::contain,
-                  {{"robot", Contain::robot}, {"reference", Contain::reference}, {"none", Contain::none}},
-                  "what the bounds of a world of space contain: every point of the robot, its reference point, or "
-                  "nothing, so that they only limit where configurations are drawn; in the plane \"robot\"")
+          .choice(
+              "contain", &WorldSettings::contain,
+              {{"robot", Contain::robot}, {"reference", Contain::reference}, {"none", Contain::none}},
+              "what the bounds of a world of space contain: every point of the robot, its reference point, or "
+              "nothing, so that they only limit where configurations are drawn; in the plane \"robot\". If this is not "
+              "given, the bounds contain nothing of a robot of a URDF file with a fixed base")
           .boolean("surface", &WorldSettings::surface,
                    "in space, a closed mesh is only its surface, so that a body inside it is not in collision, as in "
                    "planners that use FCL directly");
@@ -395,7 +398,8 @@ int make_world(Stack& call) {
         World({{bounds[0], bounds[1]}, {bounds[2], bounds[3]}}, obstacles_of<Obstacle, Shape>(reader.shapes())));
   }
   return call.result(World3({{bounds[0], bounds[1], bounds[2]}, {bounds[3], bounds[4], bounds[5]}},
-                            obstacles_of<Obstacle3, Solid>(reader.shapes()), settings.contain, settings.surface));
+                            obstacles_of<Obstacle3, Solid>(reader.shapes()), settings.contain, settings.surface,
+                            arguments["contain"].given()));
 }
 
 bool rotates(const Arguments& arguments) { return rigid_settings().read(arguments.options()).rotates; }
@@ -505,6 +509,7 @@ const std::vector<Field>& robot_members() {
       {"recentred", "fun(self: trellis.Robot): trellis.Robot, fun(q: number[]): number[]", "",
        "the same rigid body about the centre of the largest disc or ball inside of it, and a function that converts "
        "configurations: start = moved {1, 1, 0}"},
+      valid_member_of("trellis.Robot"),
       {"bounding_radius", "number", "", "no point of it is ever farther than this from its reference point, in metres"},
       {"inscribed_radius", "number", "",
        "of the largest disc, or ball, about the reference point inside of it, in metres"}};
@@ -680,9 +685,13 @@ int recentre_robot(Stack& call) {
 }
 
 template <class R>
-int read_robot(Stack& call) {
+int read_robot(Stack& call, const std::shared_ptr<RobotChecks>& checks) {
   const R robot = *call[1].get<R>();
   const std::string name = member(call, robot_members(), "a robot");
+  if (name == "valid") {
+    push_valid(call, checks);
+    return 1;
+  }
   if (name == "bounding_radius") return call.result(robot.bounding_radius());
   if (name == "inscribed_radius") return call.result(robot.inscribed_radius());
   call.push_function(name == "recentred" ? recentre_robot<R> : scale_robot<R>);
@@ -775,12 +784,15 @@ std::vector<ObjectType> world_types() {
 }
 
 void open_world(Stack& stack) {
+  const auto checks = make_robot_checks();
   stack.declare<NamedShape>({{"__tostring", text_of<NamedShape>([](const NamedShape& shape) { return shape.text; })},
                              {"__index", read_shape}});
   stack.declare<World>({{"__tostring", text_of<World>(world_text<World>)}, {"__index", read_world<World>}});
   stack.declare<World3>({{"__tostring", text_of<World3>(world_text<World3>)}, {"__index", read_world<World3>}});
-  stack.declare<Robot>({{"__tostring", text_of<Robot>(robot_text<Robot>)}, {"__index", read_robot<Robot>}});
-  stack.declare<Robot3>({{"__tostring", text_of<Robot3>(robot_text<Robot3>)}, {"__index", read_robot<Robot3>}});
+  stack.declare<Robot>({{"__tostring", text_of<Robot>(robot_text<Robot>)},
+                        {"__index", [checks](Stack& call) { return read_robot<Robot>(call, checks); }}});
+  stack.declare<Robot3>({{"__tostring", text_of<Robot3>(robot_text<Robot3>)},
+                         {"__index", [checks](Stack& call) { return read_robot<Robot3>(call, checks); }}});
 
   for (const auto& [construct, make] :
        std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&box_construct(), make_box},

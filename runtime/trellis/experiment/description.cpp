@@ -143,12 +143,20 @@ Json guides_json(const Experiment& experiment, const std::string& name, const St
   return guides;
 }
 
+/// The names of the coordinates: of an arm those of its joints.
+Json names_of(const Space& space) {
+  Json names = Json::array();
+  for (const Axis& axis : space.coordinates()) names.push_back(axis.name);
+  return names;
+}
+
 Json experiment_json(const Experiment& experiment) {
   Json problems = Json::array();
   for (const auto& p : experiment.problems) {
     problems.push_back({{"name", p.name},
                         {"space", p.space.name()},
                         {"dimension", p.space.dimension()},
+                        {"coordinates", names_of(p.space)},
                         {"start", array(View(p.start))},
                         {"goal", array(View(p.goal()))},
                         {"goal_tolerance", number(p.goal_tolerance)},

@@ -188,7 +188,8 @@ class Document {
 /// A problem's scene in a document.
 class SceneDocument {
  public:
-  explicit SceneDocument(const Problem& problem) : problem_(problem), world_(*spatial_world(*problem.scene)) {
+  explicit SceneDocument(const Problem& problem, const TrajectorySettings& settings = {})
+      : problem_(problem), world_(*spatial_world(*problem.scene)), settings_(settings) {
     add_world();
     add_end("start", problem.start, draw::rgb(0x555555));
     for (std::size_t i = 0; i < problem.goals.size(); ++i) {
@@ -220,7 +221,19 @@ class SceneDocument {
     }
     const std::vector<draw::Point3>& curve = curves.front();
     if (manipulator != nullptr) {
-      add_bodies(node, name, colour, manipulator->robot, shown, lengths(record.space, shown));
+      if (record.places_robot && record.space.flat() && problem_.motion_model == nullptr &&
+          record.space.dimension() == record.scene->robot_dimension()) {
+        const TimedPath timed(record.space, path, rate_limits(*record.scene, record.space, settings_));
+        Configurations places(record.space.dimension());
+        std::vector<double> times;
+        for (const TimedPath::Sample& sample : timed.samples(between_keys)) {
+          places.push(sample.position);
+          times.push_back(sample.time);
+        }
+        add_bodies(node, name, colour, manipulator->robot, places, times, true);
+      } else {
+        add_bodies(node, name, colour, manipulator->robot, shown, lengths(record.space, shown), false);
+      }
       return;
     }
     const Robot3& robot = spatial(*record.scene).robot;
@@ -255,6 +268,7 @@ class SceneDocument {
 
  private:
   static constexpr double goal_opacity = 0.55;
+  static constexpr double between_keys = 0.05;  ///< seconds, at most
 
   void add_world() {
     const std::size_t world = document_.add_child(document_.root(), {{"name", draw::clean_text(problem_.name)}});
@@ -313,7 +327,7 @@ class SceneDocument {
       const std::size_t node = document_.add_child(document_.root(), {{"name", name}});
       Configurations one(q.size());
       one.push(q);
-      add_bodies(node, name, colour, manipulator->robot, one, {0.0});
+      add_bodies(node, name, colour, manipulator->robot, one, {0.0}, false);
       return;
     }
     const Robot3& robot = spatial(*problem_.scene).robot;
@@ -366,8 +380,10 @@ class SceneDocument {
   }
 
   /// Adds the bodies of a robot of links and joints, which move along a path.
+  /// \param at      of each configuration its time, or the length of the path up to it
+  /// \param timed   whether it is the time, in seconds
   void add_bodies(std::size_t node, const std::string& name, const draw::Colour& colour, const SphereModel& model,
-                  const Configurations& path, const std::vector<double>& at) {
+                  const Configurations& path, const std::vector<double>& at, bool timed) {
     const std::size_t material = document_.add_material(name + ", robot", colour, false);
     std::vector<std::vector<Pose3>> poses(path.size());
     for (std::size_t i = 0; i < path.size(); ++i) model.robot().poses(path[i], poses[i]);
@@ -382,15 +398,16 @@ class SceneDocument {
                                      {"mesh", document_.add_mesh(body, surface_of(model, b), material)},
                                      {"translation", vector_json(places.front().position)},
                                      {"rotation", vector_json(normalised(places.front().orientation))}});
-      animate(body, child, places, at, true);
+      animate(body, child, places, at, true, timed);
     }
   }
 
   /// Animates a node along a path: positions and rotations between keys are those of the space, which the format
   /// interpolates alike.
-  /// \param at  the length of the path up to each place
+  /// \param at     of each place its time in seconds, or the length of the path up to it
+  /// \param timed  whether it is the time; else the animation takes 10 s
   void animate(const std::string& name, std::size_t node, const std::vector<Pose3>& path, const std::vector<double>& at,
-               bool rotates) {
+               bool rotates, bool timed = false) {
     const double length = at.back();
     if (!(length > 0.0)) return;
     std::vector<double> times;
@@ -398,7 +415,7 @@ class SceneDocument {
     std::vector<double> turns;
     Quaternion last;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      const auto time = static_cast<double>(static_cast<float>(seconds * at[i] / length));
+      const auto time = static_cast<double>(static_cast<float>(timed ? at[i] : seconds * at[i] / length));
       // Keys are later than the ones before, also in 32 bits.
       if (!times.empty() && !(time > times.back())) continue;
       times.push_back(time);
@@ -427,6 +444,7 @@ class SceneDocument {
 
   const Problem& problem_;
   const World3& world_;
+  TrajectorySettings settings_;
   Document document_;
 };
 
@@ -441,14 +459,14 @@ GltfForm gltf_form(const std::string& path) {
 
 std::string gltf(const Problem& problem, GltfForm form) { return SceneDocument(problem).text(form); }
 
-std::string gltf(const Problem& problem, const RunResult& run, GltfForm form) {
-  SceneDocument document(problem);
+std::string gltf(const Problem& problem, const RunResult& run, GltfForm form, const TrajectorySettings& settings) {
+  SceneDocument document(problem, settings);
   for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) document.add_level(level->record);
   return document.text(form);
 }
 
 std::vector<std::string> write_gltf(const Experiment& experiment, const ExperimentResult& result,
-                                    const std::string& directory) {
+                                    const std::string& directory, const TrajectorySettings& settings) {
   std::vector<std::string> left_out;
   Directories problems;
   for (const Problem& problem : experiment.problems) {
@@ -465,7 +483,8 @@ std::vector<std::string> write_gltf(const Experiment& experiment, const Experime
       if (runs.empty()) continue;
       const auto solved = std::find_if(runs.begin(), runs.end(), [](const RunResult* run) { return run->run.solved; });
       write_file((folder / file).string(),
-                 gltf(problem, **(solved != runs.end() ? solved : runs.begin()), GltfForm::binary), Flush::none);
+                 gltf(problem, **(solved != runs.end() ? solved : runs.begin()), GltfForm::binary, settings),
+                 Flush::none);
     }
   }
   return left_out;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/report/trajectory.hpp>
 #include <trellis/scene/scene.hpp>
 
 namespace trellis {
@@ -23,13 +24,14 @@ std::string gltf(const Problem& problem, GltfForm form);
 
 /// Returns the same with the levels of a run, deepest first: a node for each level that has positions in space, with
 /// the curve of its path and its robot. The robot moves along the path in an animation of the level: its keys are the
-/// path's points, at times in proportion to the length of the path in the level's metric, of 10 s in all.
-std::string gltf(const Problem& problem, const RunResult& run, GltfForm form);
+/// path's points, at times in proportion to the length of the path in the level's metric, of 10 s in all. A robot of a
+/// URDF file moves at the limits of its joints, and stops where its path bends (TimedPath).
+std::string gltf(const Problem& problem, const RunResult& run, GltfForm form, const TrajectorySettings& settings = {});
 
 /// Writes DIR/<problem>/<strategy>.glb for every strategy on every problem of space: the first run that found a path
 /// or, without one, the first run. \return a sentence about each omitted problem \throws Error where it cannot write a
 /// file.
 std::vector<std::string> write_gltf(const Experiment& experiment, const ExperimentResult& result,
-                                    const std::string& directory);
+                                    const std::string& directory, const TrajectorySettings& settings = {});
 
 }  // namespace trellis

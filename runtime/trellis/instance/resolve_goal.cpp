@@ -5,13 +5,16 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
+#include <cmath>
+#include <memory>
+#include <numbers>
 #include <utility>
 #include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/inverse_kinematics.hpp>
 #include <trellis/instance/manipulator_kinematics.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -58,7 +61,7 @@ void resolve_goal(Problem& problem) {
     all.emplace_back(problem.space.distance(problem.start, q), q);
   }
   if (all.empty()) {
-    throw Error(
+    throw InvalidEnd(
         fmt::format("problem '{}': no valid configuration brings {} into the box ({:g}, {:g}) to ({:g}, {:g}), of {} "
                     "that were tried",
                     problem.name, robot.body_name(reach.body), reach.box.lo.x, reach.box.lo.y, reach.box.hi.x,
@@ -71,64 +74,128 @@ void resolve_goal(Problem& problem) {
 
 namespace {
 
-/// Returns valid configurations that `bring` finds from the start and from samples: at most ten, the nearest to the
-/// start first.
-/// \param link   in messages
-/// \param bring  moves a configuration until it is a goal; false where it fails
-std::vector<Configuration> goals_of(const Problem& problem, std::size_t link,
-                                    const std::function<bool(MutableView)>& bring) {
+/// Brings the links of a manipulator to their targets, one after the other until all are there.
+class LinkSolver {
+ public:
+  LinkSolver(const SphereModel& robot, const Space& space, const std::vector<LinkTarget>& targets) {
+    for (const LinkTarget& target : targets) {
+      const Pose3& in_body = robot.robot().pose_in_body(target.link);
+      const PointOnBody point{robot.robot().body_of(target.link), in_body(target.point)};
+      arms_.push_back({std::make_unique<ManipulatorKinematics>(robot, space, point),
+                       {target.pose.position, target.pose.orientation * in_body.orientation.inverse()},
+                       target.near,
+                       target.turn});
+    }
+  }
+
+  /// \return whether all links are at their targets
+  bool bring(MutableView q) {
+    constexpr int most_rounds = 10;  // links that share joints move each other
+    for (int round = 0; round < (arms_.size() > 1 ? most_rounds : 1); ++round) {
+      for (Arm& arm : arms_) {
+        // Half of the tolerance is left for rounding.
+        const bool there = arm.turn >= std::numbers::pi
+                               ? arm.kinematics->bring(q, arm.wanted.position, 0.5 * arm.near)
+                               : arm.kinematics->bring(q, arm.wanted, 0.5 * arm.near, 0.5 * arm.turn);
+        if (!there) return false;
+      }
+      if (arms_.size() == 1 || std::all_of(arms_.begin(), arms_.end(), [&](Arm& arm) { return arm.arrived(q); })) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  struct Arm {
+    std::unique_ptr<ManipulatorKinematics> kinematics;
+    Pose3 wanted;
+    double near;
+    double turn;
+
+    [[nodiscard]] bool arrived(View q) const {
+      const Pose3 at = kinematics->frame(q);
+      return norm(wanted.position - at.position) <= near &&
+             norm(rotation_vector(wanted.orientation * at.orientation.inverse())) <= turn;
+    }
+  };
+  std::vector<Arm> arms_;
+};
+
+}  // namespace
+
+ReachAnswer reach_configurations(const Problem& problem, const ReachQuery& query) {
   constexpr int tries = 2000;
-  constexpr std::size_t most_goals = 10;
-  constexpr double distinct = 0.05;  // metres in the metric between two goals
+  constexpr double distinct = 0.05;  // metres in the metric between two configurations
+  const SphereModel& robot = problem.scene->manipulator()->robot;
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
-  Stream stream(0, problem.name, "goal");
-  std::vector<std::pair<double, Configuration>> found;  // with the distance from the start
+  LinkSolver solver(robot, problem.space, query.targets);
+  Stream stream(query.seed, problem.name, query.name);
+  std::vector<std::pair<double, Configuration>> found;  // with the distance from the first
   Configuration q(problem.space.dimension());
   std::size_t reached = 0;
-  for (int i = 0; i < tries && found.size() < 2 * most_goals; ++i) {
-    // The first attempt starts where the robot does.
-    if (i == 0 && !problem.start.empty()) {
-      q = problem.start;
+  std::string fault;
+  for (int i = 0; i < tries && found.size() < 2 * query.most; ++i) {
+    if (i == 0 && !query.first.empty()) {
+      q = query.first;
     } else {
       problem.space.sample_uniform(stream, q);
     }
-    if (!bring(q)) continue;
+    for (std::size_t j = 0; j < query.given.size(); ++j) {
+      if (!std::isnan(query.given[j])) q[j] = query.given[j];
+    }
+    if (!solver.bring(q)) continue;
     ++reached;
-    if (!checker->valid(q)) continue;
+    if (!checker->valid(q)) {
+      if (fault.empty()) fault = fault_of(problem, q, *checker);
+      continue;
+    }
     const bool known = std::any_of(found.begin(), found.end(),
                                    [&](const auto& one) { return problem.space.distance(one.second, q) < distinct; });
-    if (!known) found.emplace_back(problem.start.empty() ? 0.0 : problem.space.distance(problem.start, q), q);
+    if (!known) found.emplace_back(query.first.empty() ? 0.0 : problem.space.distance(query.first, q), q);
   }
+  ReachAnswer answer;
   if (found.empty()) {
-    throw Error(fmt::format("problem '{}': {} of {} starts of inverse kinematics bring link '{}' to its goal, and {}",
-                            problem.name, reached, tries,
-                            problem.scene->manipulator()->robot.robot().tree().links()[link].name,
-                            reached == 0 ? "so it is likely out of reach" : "each of them touches something"));
+    std::vector<std::string> links;
+    for (const LinkTarget& target : query.targets) {
+      links.push_back(fmt::format("'{}'", robot.robot().tree().links()[target.link].name));
+    }
+    answer.failure = fmt::format(
+        "{} of {} starts of inverse kinematics bring link{} {} to {} goal, and {}", reached, tries,
+        links.size() > 1 ? "s" : "", fmt::join(links, " and "), links.size() > 1 ? "their" : "its",
+        reached == 0 ? "so it is likely out of reach" : "each of them touches something: of the first, " + fault);
+    return answer;
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Configuration> goals;
-  for (std::size_t i = 0; i < std::min(found.size(), most_goals); ++i) goals.push_back(found[i].second);
-  return goals;
+  for (std::size_t i = 0; i < std::min(found.size(), query.most); ++i) {
+    answer.configurations.push_back(std::move(found[i].second));
+  }
+  return answer;
+}
+
+namespace {
+
+std::vector<Configuration> configurations_of(const Problem& problem, const LinkTarget& target) {
+  ReachQuery query;
+  query.targets = {target};
+  query.first = problem.start;
+  ReachAnswer answer = reach_configurations(problem, query);
+  if (answer.configurations.empty()) {
+    throw InvalidEnd(fmt::format("problem '{}': {}", problem.name, answer.failure));
+  }
+  return std::move(answer.configurations);
 }
 
 }  // namespace
 
 std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
                                              double turn) {
-  const SphereModel& robot = problem.scene->manipulator()->robot;
-  const Pose3& in_body = robot.robot().pose_in_body(link);
-  const Pose3 wanted{target.position, target.orientation * in_body.orientation.inverse()};
-  ManipulatorKinematics kinematics(robot, problem.space, {robot.robot().body_of(link), in_body.position});
-  // Half of the tolerance is left for rounding.
-  return goals_of(problem, link, [&](MutableView q) { return kinematics.bring(q, wanted, 0.5 * near, 0.5 * turn); });
+  return configurations_of(problem, {link, target, near, turn});
 }
 
 std::vector<Configuration> configurations_near(const Problem& problem, std::size_t link, const Vec3& point,
                                                const Vec3& target, double near) {
-  const SphereModel& robot = problem.scene->manipulator()->robot;
-  ManipulatorKinematics kinematics(robot, problem.space,
-                                   {robot.robot().body_of(link), robot.robot().pose_in_body(link)(point)});
-  return goals_of(problem, link, [&](MutableView q) { return kinematics.bring(q, target, 0.5 * near); });
+  return configurations_of(problem, {link, {target, {}}, near, std::numbers::pi, point});
 }
 
 }  // namespace trellis

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include <trellis/scene/planar/scene.hpp>
@@ -18,12 +20,41 @@ void resolve_goal(Problem& problem);
 /// Whether the configuration lies in the goal region.
 bool reaches(const Robot& robot, const Reach& reach, View q);
 
+/// A pose of the world that a link of a manipulator is to have.
+struct LinkTarget {
+  std::size_t link = 0;
+  Pose3 pose = {};
+  double near = 1e-3;  ///< metres from the pose's position; > 0
+  double turn = 1e-2;  ///< radians from its orientation; > 0; of pi or more any orientation will do
+  Vec3 point = {};     ///< of the link, in its frame, which is brought to the pose's position
+};
+
+/// Configurations that inverse kinematics is to find.
+struct ReachQuery {
+  std::vector<LinkTarget> targets;  ///< at least one; all hold at once
+  Configuration given = {};         ///< coordinates that stay; NaN where one is free; empty: all are
+  Configuration first = {};         ///< where the first attempt starts; the nearest to it come first; empty: none
+  std::size_t most = 10;            ///< configurations
+  std::uint64_t seed = 0;           ///< of the random starts, with the name
+  std::string name = "goal";
+};
+
+struct ReachAnswer {
+  std::vector<Configuration> configurations;  ///< valid ones; empty: none was found
+  std::string failure;                        ///< why there are none: "0 of 2000 starts of inverse kinematics ..."
+};
+
+/// Finds valid configurations of a manipulator whose links are at their targets, by inverse kinematics from `first` and
+/// from random starts. Deterministic.
+/// \param problem  its scene is one of a manipulator; its start and goals are not used
+ReachAnswer reach_configurations(const Problem& problem, const ReachQuery& query);
+
 /// Returns valid configurations of a manipulator that bring a link to a pose, by inverse kinematics: at most ten, the
 /// nearest to the start first.
 /// \param problem  its scene is one of a manipulator; without a start they are in no order
 /// \param near     metres from the pose's position; > 0
 /// \param turn     radians from its orientation; > 0
-/// \throws Error where none is found
+/// \throws InvalidEnd where none is found
 std::vector<Configuration> configurations_at(const Problem& problem, std::size_t link, const Pose3& target, double near,
                                              double turn);
 

@@ -307,8 +307,9 @@ class UrdfReader {
     entry.skip({"dynamics", "calibration"});
     const auto axis = entry.child("axis");
     const auto limit = entry.child("limit");
-    // Times of paths need these, paths do not.
-    if (limit) limit->skip({"effort", "velocity", "acceleration", "deceleration", "jerk"});
+    // Times of paths are of velocities alone.
+    if (limit) limit->skip({"effort", "acceleration", "deceleration", "jerk"});
+    if (limit) joint.velocity = std::max(0.0, limit->number("velocity", 0.0));
     if (joint.kind == Joint::Kind::fixed) entry.skip({"axis", "limit", "safety_controller"});
     if (joint.kind == Joint::Kind::planar || joint.kind == Joint::Kind::floating) entry.skip({"limit"});
     if (!joint.limited()) entry.skip({"safety_controller"});

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <trellis/base/error.hpp>
+#include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/nearest_valid.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/checks.hpp>
@@ -102,19 +103,18 @@ void check(const Problem& problem) {
         throw Error(fmt::format("problem '{}': {}: coordinate {} ({}) is {}, expected a finite number", problem.name,
                                 what, j + 1, axes[j].name, q[j]));
       }
-      if (!axes[j].periodic && (q[j] < axes[j].lo || q[j] > axes[j].hi)) {
-        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]; {}",
-                                problem.name, what, axes[j].name, q[j], axes[j].lo, axes[j].hi,
-                                nearest(problem, q, *checker)));
-      }
+    }
+    if (const std::string outside = out_of_bounds(problem.space, q); !outside.empty()) {
+      throw InvalidEnd(fmt::format("problem '{}': {} is out of bounds: {}; {}", problem.name, what, outside,
+                                   nearest(problem, q, *checker)));
     }
     if (problem.motion_model && !problem.motion_model->admits(q)) {
-      throw Error(fmt::format("problem '{}': {} ({:g}) is out of the limits of {}", problem.name, what,
-                              fmt::join(q, ", "), problem.motion_model->text()));
+      throw InvalidEnd(fmt::format("problem '{}': {} ({:g}) is out of the limits of {}", problem.name, what,
+                                   fmt::join(q, ", "), problem.motion_model->text()));
     }
     if (const auto contact = checker->contact(q)) {
-      throw Error(fmt::format("problem '{}': {} ({:g}){}; {}", problem.name, what, fmt::join(q, ", "),
-                              collision_text(*contact, *problem.scene), nearest(problem, q, *checker)));
+      throw InvalidEnd(fmt::format("problem '{}': {} ({:g}){}; {}", problem.name, what, fmt::join(q, ", "),
+                                   collision_text(*contact, *problem.scene), nearest(problem, q, *checker)));
     }
   }
 }

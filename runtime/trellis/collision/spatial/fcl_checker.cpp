@@ -179,11 +179,21 @@ struct Piece {
     if (0.25 * least * least > 0.0) surface = surface_of(*cuboid);
   }
 
+  /// Grows the geometry that `collide` sees by so many metres, so that solids that touch are in collision: for some
+  /// pairs, as a cylinder that lies on a box, FCL says that they are not.
+  void touch_within(double slack, double scale) {
+    const auto* sphere = std::get_if<Sphere>(&solid.shape);
+    if (model != nullptr || cloud != nullptr || (sphere != nullptr && sphere->radius == 0.0)) return;
+    touching = std::visit(MakeGeometry(), scaled({std::visit(Inflate{slack}, solid.shape), {}}, scale).shape);
+  }
+  [[nodiscard]] const Geometry& collided() const { return touching ? touching : geometry; }
+
   /// Whether the piece is a closed mesh.
   [[nodiscard]] bool has_inside() const { return model != nullptr && model->distance.mesh().closed(); }
 
   Solid solid;
   Geometry geometry;                            ///< scaled; none of a cloud
+  Geometry touching;                            ///< the same, a little larger; none where `geometry` serves
   const PointCloud* cloud = nullptr;            ///< where it is one
   std::shared_ptr<const MeshModel> model;       ///< where it is a mesh
   std::shared_ptr<const MeshDistance> surface;  ///< its triangles: of a mesh, and of a box among meshes
@@ -349,7 +359,10 @@ class SpatialFclChecker final : public Checker {
       boxes_.push_back({box.lo - margin, box.hi + margin});
     }
     tree_ = BoxTree(boxes_);
-    for (const Solid& solid : robot_.solids()) pieces_.emplace_back(solid, scale_);
+    for (const Solid& solid : robot_.solids()) {
+      pieces_.emplace_back(solid, scale_);
+      pieces_.back().touch_within(slack_, scale_);
+    }
     const auto is_mesh = [](const Piece& piece) { return piece.model != nullptr; };
     const bool mesh_among_obstacles = std::any_of(obstacles_.begin(), obstacles_.end(), is_mesh);
     const bool mesh_in_robot = std::any_of(pieces_.begin(), pieces_.end(), is_mesh);
@@ -853,7 +866,7 @@ class SpatialFclChecker final : public Checker {
       }
     }
     result_.clear();
-    return fcl::collide(piece.geometry.get(), frame, obstacle.geometry.get(), frames_[i], request_, result_) > 0;
+    return fcl::collide(piece.collided().get(), frame, obstacle.geometry.get(), frames_[i], request_, result_) > 0;
   }
 
   std::shared_ptr<const Scene> scene_;

@@ -353,6 +353,13 @@ void Manipulator::add_reaches() {
   }
 }
 
+bool Manipulator::has_fixed_base() const {
+  return std::none_of(moving_.begin(), moving_.end(), [&](std::size_t j) {
+    const Joint::Kind kind = tree_.joints()[j].kind;
+    return kind == Joint::Kind::planar || kind == Joint::Kind::floating;
+  });
+}
+
 double Manipulator::extension(std::size_t body) const {
   if (bodies_[body].kind != Joint::Kind::prismatic) return 0.0;
   const Joint& joint = tree_.joints()[*tree_.joint_of(bodies_[body].links.front())];

@@ -45,6 +45,7 @@ struct Joint {
   Vec3 axis = {1.0, 0.0, 0.0};  ///< of norm 1, in the joint's frame
   double lo = 0.0;              ///< lower limit, radians or metres
   double hi = 0.0;              ///< upper limit
+  double velocity = 0.0;        ///< greatest speed, radians or metres a second; 0: not stated
   std::optional<Mimic> mimic = {};
   bool locked = false;  ///< it stays where it is: its file does not say how far it moves
 
@@ -151,6 +152,8 @@ class Manipulator {
   /// The base first; each body comes after its parent.
   [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  /// Whether no joint that moves carries the whole robot: joints between the world and a base are planar or floating.
+  [[nodiscard]] bool has_fixed_base() const;
   /// The body that a link belongs to, and the pose of the link in the body's frame.
   [[nodiscard]] std::size_t body_of(std::size_t link) const { return body_of_[link]; }
   [[nodiscard]] const Pose3& pose_in_body(std::size_t link) const { return in_body_[link]; }

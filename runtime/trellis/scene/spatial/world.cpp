@@ -29,7 +29,7 @@ void check_bounds(const Box3& box) {
 
 }  // namespace
 
-World3::World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain, bool surface) {
+World3::World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain, bool surface, bool stated) {
   if (obstacles.size() > most_obstacles) {
     throw Error(fmt::format("a world has at most {} obstacles, got {}", most_obstacles, obstacles.size()));
   }
@@ -40,7 +40,18 @@ World3::World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain, b
     check_solid(obstacles[i].solid, obstacles[i].name);
     check_precision(obstacles[i].solid, farthest, obstacles[i].name);
   }
-  content_ = std::make_shared<const Content>(bounds, std::move(obstacles), contain, surface);
+  content_ = std::make_shared<const Content>(bounds, std::move(obstacles), contain, surface, stated);
+}
+
+World3 World3::for_fixed_base() const {
+  if (content_->stated || contain() == Contain::none) return *this;
+  std::call_once(content_->unbounded_made, [&] {
+    content_->unbounded =
+        std::make_shared<const Content>(bounds(), obstacles(), Contain::none, surface(), content_->stated);
+  });
+  World3 world = *this;
+  world.content_ = content_->unbounded;
+  return world;
 }
 
 std::shared_ptr<const DistanceFields> World3::distances() const {

@@ -35,8 +35,10 @@ class World3 {
   /// Validates the bounds and the obstacles.
   /// \param surface  whether a closed mesh is only its surface, so that a body inside it is not in collision, as in
   ///     FCL and in planners that use it directly
+  /// \param stated  whether the user stated `contain`; else `for_fixed_base` may change it
   /// \throws Error that names the obstacle
-  World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain = Contain::robot, bool surface = false);
+  World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain = Contain::robot, bool surface = false,
+         bool stated = true);
 
   /// The box that the robot is in, metres.
   [[nodiscard]] const Box3& bounds() const { return content_->bounds; }
@@ -47,8 +49,11 @@ class World3 {
   [[nodiscard]] bool surface() const { return content_->surface; }
   /// Returns a world with these obstacles and otherwise the same.
   [[nodiscard]] World3 with(std::vector<Obstacle3> obstacles) const {
-    return {bounds(), std::move(obstacles), contain(), surface()};
+    return {bounds(), std::move(obstacles), contain(), surface(), content_->stated};
   }
+  /// Returns the world of a robot with a fixed base: its bounds contain nothing unless the user stated what they
+  /// contain. Copies of this world return the same one.
+  [[nodiscard]] World3 for_fixed_base() const;
   /// Returns a pointer that identifies the content: copies have the same pointer, and no other living world has it.
   [[nodiscard]] std::shared_ptr<const void> identity() const { return content_; }
   /// Returns the distance fields of the obstacles, which copies of this world share: made at the first call.
@@ -56,15 +61,18 @@ class World3 {
 
  private:
   struct Content {
-    Content(Box3 box, std::vector<Obstacle3> all, Contain inside, bool only_surface)
-        : bounds(box), obstacles(std::move(all)), contain(inside), surface(only_surface) {}
+    Content(Box3 box, std::vector<Obstacle3> all, Contain inside, bool only_surface, bool given)
+        : bounds(box), obstacles(std::move(all)), contain(inside), surface(only_surface), stated(given) {}
 
     Box3 bounds;
     std::vector<Obstacle3> obstacles;
     Contain contain;
     bool surface;
+    bool stated;  ///< the user stated `contain`
     mutable std::once_flag distances_made;
     mutable std::shared_ptr<const DistanceFields> distances;
+    mutable std::once_flag unbounded_made;
+    mutable std::shared_ptr<const Content> unbounded;  ///< of for_fixed_base
   };
   std::shared_ptr<const Content> content_;
 };
