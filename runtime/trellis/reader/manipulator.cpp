@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <trellis/base/errors.hpp>
+#include <trellis/reader/cover_cache.hpp>
 #include <trellis/reader/robot_files.hpp>
 
 namespace trellis {
@@ -211,6 +212,35 @@ SphereModel::Pairs all_pairs(std::size_t links) {
   return pairs;
 }
 
+/// Says how many balls cover the links that are not made of spheres, and how far they protrude.
+std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
+  const double usual = covers.options.excess;
+  const auto centimetres = [](double metres) { return fmt::format("{:.1f} cm", 100.0 * metres); };
+  std::vector<std::string> names, more;
+  std::size_t balls = 0;
+  double excess = 0.0;
+  for (std::size_t l = 0; l < covers.links.size(); ++l) {
+    const MedialCover& link = covers.links[l];
+    if (link.excess == 0.0) continue;
+    names.push_back(tree.links()[l].name);
+    balls += link.balls.size();
+    if (link.excess > usual)
+      more.push_back(fmt::format("of {} {}", names.back(), centimetres(link.excess)));
+    else
+      excess = std::max(excess, link.excess);
+  }
+  if (names.empty()) return "";
+  constexpr std::size_t most_named = 12;
+  const std::string links = names.size() == 1            ? "link " + names.front()
+                            : names.size() <= most_named ? fmt::format("links {}", fmt::join(names, ", "))
+                                                         : fmt::format("{} links", names.size());
+  std::string text = fmt::format("{} {} covered by {} balls", links, names.size() == 1 ? "is" : "are", balls);
+  if (names.size() > more.size()) text += fmt::format(" that protrude at most {}", centimetres(excess));
+  if (more.empty()) return text;
+  return fmt::format("{}{}{}", text, names.size() > more.size() ? "; those " : " that protrude: those ",
+                     fmt::join(more, ", "));
+}
+
 }  // namespace
 
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings) {
@@ -243,17 +273,24 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
       throw Error(fmt::format("{}: {}", files.urdf, e.what()));
     }
   }();
-  const std::vector<LinkBalls> balls = link_balls(tree);
+  CoverOptions options;
+  if (files.cover) options.excess = options.most_excess = *files.cover;
+  const CoverCache cache(user_cover_folder());
+  LinkCovers covers = cache.covers(tree, options);
+  cache.trim();
+  if (const std::string text = excess_text(tree, covers); !text.empty()) {
+    warnings.push_back(fmt::format("{}: {}", files.urdf, text));
+  }
   SphereModel::Pairs may_touch;
   if (!files.self_collision) {
     may_touch = all_pairs(tree.links().size());
   } else {
     if (srdf) may_touch = srdf->disabled;
-    const SphereModel::Pairs touching = likely_contacts(tree, balls, may_touch);
+    const SphereModel::Pairs touching = likely_contacts(tree, covers, may_touch);
     if (!touching.empty()) warnings.push_back(touching_warning(files, tree, touching));
     may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   }
-  SphereModel model(robot, balls, std::move(may_touch));
+  SphereModel model(robot, std::move(covers), std::move(may_touch));
   if (const auto standing = model.standing(); standing && standing->gap <= 0.0) {
     warnings.push_back(
         fmt::format("{}: '{}' meets '{}' at the values of the joints that do not move: no configuration "

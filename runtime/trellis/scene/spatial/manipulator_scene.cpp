@@ -8,25 +8,15 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/scene/spatial/scene.hpp>
-#include <trellis/scene/spatial/sphere_cover.hpp>
 
 namespace trellis {
 
 namespace {
-
-/// The balls of the leaves of a cover whose radius is a few times that of the finest.
-void add_cover(const Solid& solid, std::vector<BodySphere>& balls) {
-  // A link of 0.1 m gets balls of 0.02 m beyond its surface.
-  constexpr double finest = 0.02;
-  const SphereCover cover(solid, true, finest);
-  for (const SphereCover::Node& node : cover.nodes()) {
-    if (node.count == 0) balls.push_back({node.centre, node.outer});
-  }
-}
 
 /// A ball that contains some balls: about the middle of their box.
 BodySphere enclosing(const std::vector<BodySphere>& balls) {
@@ -86,18 +76,6 @@ Shape3 grown(const Shape3& shape, double scale, double padding) {
   return std::make_shared<const Mesh>(std::move(vertices), mesh.triangles(), "a padded mesh");
 }
 
-LinkBalls balls_of(const Link& link) {
-  LinkBalls balls;
-  for (const Solid& solid : link.solids) {
-    if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
-      balls.push_back({solid.pose.position, sphere->radius});
-    } else {
-      add_cover(solid, balls);
-    }
-  }
-  return balls;
-}
-
 Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
   const double squared = dot(along, along);
@@ -107,11 +85,11 @@ Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 }  // namespace
 
-std::vector<LinkBalls> link_balls(const KinematicTree& tree) {
-  std::vector<LinkBalls> all;
-  all.reserve(tree.links().size());
-  for (const Link& link : tree.links()) all.push_back(balls_of(link));
-  return all;
+LinkCovers link_covers(const KinematicTree& tree, const CoverOptions& options) {
+  LinkCovers covers{options, {}};
+  covers.links.reserve(tree.links().size());
+  for (const Link& link : tree.links()) covers.links.push_back(medial_cover(link.solids, options));
+  return covers;
 }
 
 SphereModel::Pairs neighbours(const KinematicTree& tree) {
@@ -144,11 +122,10 @@ SphereModel::Pairs neighbours(const KinematicTree& tree) {
 }
 
 SphereModel::SphereModel(Manipulator robot, Pairs may_touch)
-    : SphereModel(robot, link_balls(robot.tree()), std::move(may_touch)) {}
+    : SphereModel(robot, link_covers(robot.tree()), std::move(may_touch)) {}
 
-SphereModel::SphereModel(Manipulator robot, std::vector<LinkBalls> balls, Pairs may_touch)
-    : SphereModel(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot),
-                  std::move(may_touch)) {
+SphereModel::SphereModel(Manipulator robot, LinkCovers covers, Pairs may_touch)
+    : SphereModel(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), std::move(may_touch)) {
   const KinematicTree& tree = robot_.tree();
   const Pairs beside = neighbours(tree);
   Pairs all = std::move(may_touch_);
@@ -162,8 +139,8 @@ SphereModel::SphereModel(Manipulator robot, std::vector<LinkBalls> balls, Pairs 
   permit(std::move(all));
 }
 
-SphereModel::SphereModel(std::shared_ptr<const std::vector<LinkBalls>> balls, Manipulator robot, Pairs may_touch)
-    : robot_(std::move(robot)), link_balls_(std::move(balls)) {
+SphereModel::SphereModel(std::shared_ptr<const LinkCovers> covers, Manipulator robot, Pairs may_touch)
+    : robot_(std::move(robot)), covers_(std::move(covers)) {
   for (const Manipulator::Body& body : robot_.bodies()) {
     exact_ = exact_ && std::all_of(body.solids.begin(), body.solids.end(),
                                    [](const Solid& solid) { return std::holds_alternative<Sphere>(solid.shape); });
@@ -173,7 +150,7 @@ SphereModel::SphereModel(std::shared_ptr<const std::vector<LinkBalls>> balls, Ma
 
 SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies)
     : robot_(std::move(robot)),
-      link_balls_(whole.link_balls_),
+      covers_(whole.covers_),
       bodies_(std::move(bodies)),
       may_touch_(whole.may_touch_),
       base_(whole.base_),
@@ -198,21 +175,27 @@ void SphereModel::permit(Pairs may_touch) {
   enclose();
 }
 
+double SphereModel::excess() const {
+  double excess = 0.0;
+  for (const MedialCover& link : covers_->links) excess = std::max(excess, link.excess);
+  return excess;
+}
+
 bool SphereModel::checked(std::size_t first_link, std::size_t second_link) const {
   const auto [a, b] = std::minmax(first_link, second_link);
   return a != b && !std::binary_search(may_touch_.begin(), may_touch_.end(), std::pair<std::size_t, std::size_t>(a, b));
 }
 
 void SphereModel::divide() {
-  const std::vector<LinkBalls>& balls = *link_balls_;
-  const std::size_t links = balls.size();
+  const std::size_t links = covers_->links.size();
+  const auto balls_of = [&](std::size_t link) -> const std::vector<BodySphere>& { return covers_->links[link].balls; };
   // For each link with balls the links of other bodies that it must not touch.
   std::vector<std::vector<char>> apart(links);
   for (std::size_t a = 0; a < links; ++a) {
-    if (balls[a].empty()) continue;
+    if (balls_of(a).empty()) continue;
     apart[a].resize(links, 0);
     for (std::size_t b = 0; b < links; ++b) {
-      if (!balls[b].empty() && robot_.body_of(a) != robot_.body_of(b)) apart[a][b] = checked(a, b) ? 1 : 0;
+      if (!balls_of(b).empty() && robot_.body_of(a) != robot_.body_of(b)) apart[a][b] = checked(a, b) ? 1 : 0;
     }
   }
   bodies_.assign(robot_.bodies().size(), {});
@@ -222,7 +205,7 @@ void SphereModel::divide() {
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
     std::vector<std::size_t> left;
     for (const std::size_t link : robot_.bodies()[body].links) {
-      if (!balls[link].empty()) left.push_back(link);
+      if (!balls_of(link).empty()) left.push_back(link);
     }
     // By number, whatever the order of the joints.
     std::sort(left.begin(), left.end());
@@ -235,7 +218,7 @@ void SphereModel::divide() {
       first_link.push_back(first);
       std::erase_if(left, [&](std::size_t link) {
         if (apart[link] != apart[first]) return false;
-        for (const BodySphere& ball : balls[link]) {
+        for (const BodySphere& ball : balls_of(link)) {
           bodies_[body].push_back({robot_.pose_in_body(link)(ball.centre), ball.radius});
           ball_links_[body].push_back(link);
         }
@@ -311,9 +294,9 @@ void SphereModel::enclose() {
 SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   if (robots.size() < 2) throw Error("robots: a team has at least two robots");
   std::vector<Link> links = {{"world", {}}};
-  std::vector<LinkBalls> balls(1);
   std::vector<Joint> joints;
   Pairs may_touch;
+  LinkCovers covers{robots.front().covers_->options, std::vector<MedialCover>(1)};
   std::vector<std::string> moving;
   std::vector<std::pair<std::string, std::vector<double>>> values;
   std::vector<std::string> names;
@@ -327,7 +310,8 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
       throw Error(fmt::format("robots: at most {} links in all", KinematicTree::most_links));
     }
     for (const Link& link : tree.links()) links.push_back({named(link.name), link.solids});
-    balls.insert(balls.end(), robots[i].link_balls_->begin(), robots[i].link_balls_->end());
+    const std::vector<MedialCover>& own = robots[i].covers_->links;
+    covers.links.insert(covers.links.end(), own.begin(), own.end());
     const std::size_t first_moving = one.moving().front();
     // The parent of a base that moves is the world itself. A fixed one follows a joint of its robot by a factor of 0:
     // it stays where it is, and is a body that the other robots must not touch.
@@ -365,7 +349,7 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   std::vector<std::vector<double>> placed(tree.joints().size());
   for (auto& [joint, value] : values) placed[*tree.find_joint(joint)] = std::move(value);
   // Permissions of the robots alone: neither the world nor a base makes links of two robots neighbours.
-  SphereModel team(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)),
+  SphereModel team(std::make_shared<const LinkCovers>(std::move(covers)),
                    Manipulator(std::move(tree), std::move(numbers), placed), {});
   team.permit(std::move(may_touch));
   for (const State& state : robots.front().states_) {
@@ -462,15 +446,15 @@ SphereModel SphereModel::attached(const std::string& name, const Solid& solid, s
   check_no_cloud(solid, fmt::format("the attached body '{}'", name));
   const std::size_t added = robot_.tree().links().size();
   Manipulator robot = robot_.attached({name, {solid}}, link);
-  std::vector<LinkBalls> balls = *link_balls_;
-  balls.push_back(balls_of(robot.tree().links().back()));
+  LinkCovers covers = *covers_;
+  covers.links.push_back(medial_cover(std::span(&solid, 1), covers.options));
   Pairs may_touch = may_touch_;
   for (const std::size_t other : touch) may_touch.emplace_back(other, added);
   // Links that do not move against it.
   for (std::size_t other = 0; other < added; ++other) {
     if (robot.tree().fixed_together(other, added)) may_touch.emplace_back(other, added);
   }
-  SphereModel with(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot), {});
+  SphereModel with(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {});
   with.permit(std::move(may_touch));
   with.copy_names(*this);
   return with;
@@ -483,7 +467,7 @@ SphereModel SphereModel::with_world_frame(std::string name) const {
 }
 
 SphereModel SphereModel::with_values(const std::vector<std::vector<double>>& values) const {
-  SphereModel with(link_balls_, Manipulator(robot_.tree(), robot_.moving(), values), {});
+  SphereModel with(covers_, Manipulator(robot_.tree(), robot_.moving(), values), {});
   with.permit(Pairs(may_touch_));
   with.copy_names(*this);
   return with;
@@ -501,7 +485,7 @@ SphereModel SphereModel::with_permissions(const Pairs& may_touch, const Pairs& c
 SphereModel SphereModel::padded(const std::vector<double>& scale, const std::vector<double>& padding) const {
   const std::vector<Link>& links = robot_.tree().links();
   Manipulator robot = robot_;
-  std::vector<LinkBalls> balls = *link_balls_;
+  LinkCovers covers = *covers_;
   Pairs may_touch = may_touch_;
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (links[i].solids.empty() || (scale[i] == 1.0 && padding[i] == 0.0)) continue;
@@ -513,10 +497,10 @@ SphereModel SphereModel::padded(const std::vector<double>& scale, const std::vec
     for (const Solid& solid : links[i].solids)
       link.solids.push_back({grown(solid.shape, scale[i], padding[i]), solid.pose});
     robot = robot.attached(link, i);
-    balls.push_back(balls_of(link));
+    covers.links.push_back(medial_cover(link.solids, covers.options));
     for (std::size_t other = 0; other < added; ++other) may_touch.emplace_back(other, added);
   }
-  SphereModel whole(std::make_shared<const std::vector<LinkBalls>>(std::move(balls)), std::move(robot), {});
+  SphereModel whole(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {});
   whole.permit(std::move(may_touch));
   whole.copy_names(*this);
   return whole;
@@ -627,7 +611,7 @@ std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, doubl
   return axes;
 }
 
-SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<LinkBalls>& balls,
+SphereModel::Pairs likely_contacts(const KinematicTree& tree, const LinkCovers& covers,
                                    const SphereModel::Pairs& may_touch) {
   constexpr int samples = 1000;
   constexpr int most_free = 50;  // of these
@@ -643,31 +627,33 @@ SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<
     std::size_t first, second;
     int free = 0;
   };
+  const auto balls_of = [&](std::size_t link) -> const std::vector<BodySphere>& { return covers.links[link].balls; };
+  const std::size_t count = covers.links.size();
   SphereModel::Pairs excluded = neighbours(tree);
   for (const auto& [a, b] : may_touch) excluded.emplace_back(std::min(a, b), std::max(a, b));
   std::sort(excluded.begin(), excluded.end());
   std::vector<Candidate> left;
-  std::vector<BodySphere> wholes(balls.size());
-  for (std::size_t a = 0; a < balls.size(); ++a) {
-    if (balls[a].empty()) continue;
-    wholes[a] = enclosing(balls[a]);
-    for (std::size_t b = a + 1; b < balls.size(); ++b) {
-      if (balls[b].empty() || tree.fixed_together(a, b)) continue;
+  std::vector<BodySphere> wholes(count);
+  for (std::size_t a = 0; a < count; ++a) {
+    if (balls_of(a).empty()) continue;
+    wholes[a] = enclosing(balls_of(a));
+    for (std::size_t b = a + 1; b < count; ++b) {
+      if (balls_of(b).empty() || tree.fixed_together(a, b)) continue;
       if (!std::binary_search(excluded.begin(), excluded.end(), std::pair(a, b))) left.push_back({a, b});
     }
   }
   std::vector<Pose3> bodies;
-  std::vector<Pose3> poses(balls.size());
+  std::vector<Pose3> poses(count);
   const auto touch = [&](std::size_t first, std::size_t second) {
     const Pose3 between = poses[first].inverse() * poses[second];
     const auto apart = [](const BodySphere& ball, const Vec3& at, double radius) {
       return norm(ball.centre - at) > ball.radius + radius;
     };
     if (apart(wholes[first], between(wholes[second].centre), wholes[second].radius)) return false;
-    for (const BodySphere& ball : balls[second]) {
+    for (const BodySphere& ball : balls_of(second)) {
       const Vec3 at = between(ball.centre);
       if (apart(wholes[first], at, ball.radius)) continue;
-      for (const BodySphere& other : balls[first]) {
+      for (const BodySphere& other : balls_of(first)) {
         if (!apart(other, at, ball.radius)) return true;
       }
     }

@@ -9,16 +9,12 @@
 #include <vector>
 
 #include <trellis/scene/scene.hpp>
+#include <trellis/scene/spatial/body_sphere.hpp>
 #include <trellis/scene/spatial/kinematic_tree.hpp>
+#include <trellis/scene/spatial/medial_cover.hpp>
 #include <trellis/scene/spatial/world.hpp>
 
 namespace trellis {
-
-/// A ball of a robot's body, in the body's frame.
-struct BodySphere {
-  Vec3 centre;
-  double radius = 0.0;
-};
 
 /// A point that a body of a robot carries.
 struct PointOnBody {
@@ -26,12 +22,14 @@ struct PointOnBody {
   Vec3 point = {};  ///< in the body's frame
 };
 
-/// The collision geometry of one link as balls, in the link's frame.
-using LinkBalls = std::vector<BodySphere>;
+/// The collision geometry of a robot's links as balls.
+struct LinkCovers {
+  CoverOptions options;            ///< of shapes that are attached, too
+  std::vector<MedialCover> links;  ///< of each link, in its frame
+};
 
-/// Returns balls that contain the collision geometry of each link of a robot: spheres as they are, covers of every
-/// other shape. They depend on the link alone, so that each group of joints has the same.
-std::vector<LinkBalls> link_balls(const KinematicTree& tree);
+/// Covers the collision geometry of each link of a robot.
+LinkCovers link_covers(const KinematicTree& tree, const CoverOptions& options = {});
 
 /// A manipulator as balls, which collision checking uses: those of a sphere model as they are, balls that cover every
 /// other shape (conservative: a little space beside such a shape counts as the robot's).
@@ -63,8 +61,8 @@ class SphereModel {
   /// \param may_touch  pairs of links that are not checked against each other, the lesser one first. `neighbours` and
   ///     links that fixed joints connect are never checked
   explicit SphereModel(Manipulator robot, Pairs may_touch = {});
-  /// \param balls  of each link, as `link_balls` returns them
-  SphereModel(Manipulator robot, std::vector<LinkBalls> balls, Pairs may_touch);
+  /// \param covers  of the robot's links
+  SphereModel(Manipulator robot, LinkCovers covers, Pairs may_touch);
 
   /// Returns a team: robots in one world, each at its base, whose links must not touch those of the others. Links and
   /// joints are named as "2/panda_link1"; configurations that all robots have by one name keep it.
@@ -94,6 +92,10 @@ class SphereModel {
   /// Where the base is in the world.
   [[nodiscard]] const Pose3& base() const { return base_; }
   [[nodiscard]] const std::vector<State>& states() const { return states_; }
+  /// The balls of each link, in its frame, and how far they protrude.
+  [[nodiscard]] const LinkCovers& covers() const { return *covers_; }
+  /// Returns how far balls protrude beyond the shapes of the robot, at most, in metres.
+  [[nodiscard]] double excess() const;
   /// Whether every shape of the robot is a sphere.
   [[nodiscard]] bool exact() const { return exact_; }
   /// Whether the balls cover the shapes of the bodies, for pictures: not of a robot that is thinned or reduced.
@@ -144,7 +146,7 @@ class SphereModel {
   /// A model with other balls and parts, which is not divided anew.
   SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies);
   /// A model without bodies: `permit` adds them.
-  SphereModel(std::shared_ptr<const std::vector<LinkBalls>> balls, Manipulator robot, Pairs may_touch);
+  SphereModel(std::shared_ptr<const LinkCovers> covers, Manipulator robot, Pairs may_touch);
   /// Sets the pairs of links that may touch, and divides the bodies into parts.
   void permit(Pairs may_touch);
   void divide();
@@ -156,7 +158,7 @@ class SphereModel {
   [[nodiscard]] PointOnBody tip_moved_by(const std::vector<std::size_t>& axes) const;
 
   Manipulator robot_;
-  std::shared_ptr<const std::vector<LinkBalls>> link_balls_;
+  std::shared_ptr<const LinkCovers> covers_;
   std::vector<std::vector<BodySphere>> bodies_;
   std::vector<std::vector<std::size_t>> ball_links_;  ///< for each ball of a body its link; the first one has none
   Pairs may_touch_;
@@ -182,10 +184,9 @@ std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, doubl
 
 /// Returns pairs of links that touch in at least 95 % of 1000 configurations of all joints, which are drawn uniformly
 /// within their limits, the same ones each time: hardly a configuration would be valid. A base that moves stays.
-/// \param balls      of each link
 /// \param may_touch  pairs of links that are not examined, the lesser one first
 /// \return ascending
-SphereModel::Pairs likely_contacts(const KinematicTree& tree, const std::vector<LinkBalls>& balls,
+SphereModel::Pairs likely_contacts(const KinematicTree& tree, const LinkCovers& covers,
                                    const SphereModel::Pairs& may_touch);
 
 /// A world of space and a manipulator in it.

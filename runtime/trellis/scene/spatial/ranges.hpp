@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -28,6 +29,16 @@ inline Box3 bounds_of(std::span<const Vec3> points) {
   Box3 box{points.front(), points.front()};
   for (const Vec3& p : points) box = {least_of(box.lo, p), greatest_of(box.hi, p)};
   return box;
+}
+
+/// Returns the corners of a box: that with index i is at `hi` in x, y or z where bit 0, 1 or 2 of i is set.
+inline std::array<Vec3, 8> corners_of(const Box3& box) {
+  std::array<Vec3, 8> corners;
+  for (unsigned i = 0; i < 8; ++i) {
+    corners[i] = {(i & 1U) != 0 ? box.hi.x : box.lo.x, (i & 2U) != 0 ? box.hi.y : box.lo.y,
+                  (i & 4U) != 0 ? box.hi.z : box.lo.z};
+  }
+  return corners;
 }
 
 }  // namespace trellis

@@ -43,15 +43,6 @@ void clip(const Polygon3& polygon, double Vec3::*axis, double at, double sign, s
   if (!part.empty()) out.push_back(std::move(part));
 }
 
-std::array<Vec3, 8> corners_of(const Box3& box) {
-  std::array<Vec3, 8> corners;
-  for (unsigned i = 0; i < 8; ++i) {
-    corners[i] = {(i & 1U) != 0 ? box.hi.x : box.lo.x, (i & 2U) != 0 ? box.hi.y : box.lo.y,
-                  (i & 4U) != 0 ? box.hi.z : box.lo.z};
-  }
-  return corners;
-}
-
 /// A part of the solid: what of it lies in a cell.
 struct Part {
   Box3 cell;

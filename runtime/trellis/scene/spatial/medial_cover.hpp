@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <trellis/scene/spatial/body_sphere.hpp>
+#include <trellis/scene/spatial/shapes.hpp>
+
+// Balls that cover the shapes of a link, for collision checking.
+
+namespace trellis {
+
+/// How balls cover a link.
+struct CoverOptions {
+  double excess = 0.008;         ///< how far the balls may protrude beyond the shapes, in metres
+  double most_excess = 0.03;     ///< how far they may where more than `most_balls` would be needed otherwise
+  std::size_t most_balls = 200;  ///< of a link
+  friend bool operator==(const CoverOptions&, const CoverOptions&) = default;
+};
+
+/// Balls that cover the shapes of a link.
+struct MedialCover {
+  std::vector<BodySphere> balls;
+  /// A bound on the distance of the balls' points from the shapes: 0 where all shapes are spheres.
+  double excess = 0.0;
+};
+
+/// Covers shapes by balls. All centres are on the surface of a shape or inside one; those inside are near its medial
+/// axis. A sphere is covered by itself.
+///
+/// Every point of a surface lies in a ball. So does every point inside a solid whose depth is `excess` or more. This
+/// holds for all meshes, whatever their orientation and however many parts they have: only where there is an inside
+/// depends on these. A mesh that is not closed has no inside; there, points count as inside that its triangles enclose
+/// along all six directions of the axes.
+///
+/// The balls protrude at most `options.excess` beyond the solids. Where a link needs more than `options.most_balls` the
+/// excess grows, at most to `options.most_excess`. For very large links, it grows further: to the square root of a
+/// 4000th of the area, so that the time is bounded.
+///
+/// The result depends on the arguments alone: it uses no random numbers, and no functions whose rounding differs
+/// between machines. \param solids  of one link, in its frame; no clouds of points
+MedialCover medial_cover(std::span<const Solid> solids, const CoverOptions& options = {});
+
+/// Raise it where `medial_cover` returns other balls than before: stored covers are made anew then.
+constexpr int medial_cover_version = 1;
+
+/// A ball that contains consecutive balls of a list.
+struct CoarseBall {
+  Vec3 centre;
+  double radius = 0.0;
+  std::uint32_t first = 0;  ///< of the balls that it contains
+  std::uint32_t count = 0;
+};
+
+/// Groups balls, and orders them such that those of a group follow each other.
+/// \param slack  by which a coarse ball may exceed the ball in its middle, in metres
+/// \return balls that contain the groups
+std::vector<CoarseBall> group_balls(std::vector<BodySphere>& balls, double slack = 0.02);
+
+}  // namespace trellis
