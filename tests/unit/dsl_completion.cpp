@@ -64,7 +64,7 @@ TEST_CASE("after a dot come the fields of a module or a library") {
 }
 
 TEST_CASE("after a colon comes what can be asked of a value") {
-  CHECK(next("strategy:") == Words{"attach", "clearance", "drive", "hash", "json", "nearest_obstacle", "pose",
+  CHECK(next("strategy:") == Words{"attach", "clearance", "drive", "hash", "ik", "json", "nearest_obstacle", "pose",
                                    "recentred", "scaled", "tree", "valid"});
   CHECK(next("(skeleton() >> rrt {}):tr") == Words{"tree"});
 }

@@ -46,7 +46,7 @@ double least_time(const std::vector<double>& change, const RateLimits& limits) {
 
 TEST_CASE("a timed path keeps the laws of its motion") {
   const Space space = joints();
-  Stream stream(1);
+  Stream stream(1, "test", "timed paths");
   for (int round = 0; round < 40; ++round) {
     CAPTURE(round);
     RateLimits limits;
@@ -131,7 +131,7 @@ TEST_CASE("samples of a timed path give it by cubic splines") {
   }
 }
 
-TEST_CASE("a timed path passes points on a straight line without a stop, and wraps the short way") {
+TEST_CASE("a timed path passes points on a straight line without a stop, and wraps along the shorter arc") {
   const Space space = joints();
   const RateLimits limits{{1, 1, 1, 1}, {1, 1, 1, 1}};
   const TimedPath straight(space, path_of({{0, 0, 0, 0}, {0.5, 0, 0, 0}, {2, 0, 0, 0}}), limits);
@@ -139,7 +139,7 @@ TEST_CASE("a timed path passes points on a straight line without a stop, and wra
   CHECK(straight.duration() == Approx(3.0));  // 2 m at 1 m/s, and a second to speed up and slow down
   CHECK(straight.times()[1] == Approx(1.0));
   CHECK(straight.at(1.5).velocity[0] == Approx(1.0));
-  // From 3 to -3 by way of pi, by 0.283 rad.
+  // From 3 to -3 through pi, by 0.283 rad.
   const TimedPath turn(space, path_of({{0, 3, 0, 0}, {0, -3, 0, 0}}), limits);
   CHECK(turn.duration() == Approx(2.0 * std::sqrt(2.0 * pi - 6.0)));
   CHECK(turn.at(turn.duration()).position[1] == Approx(2.0 * pi - 3.0));

@@ -12,6 +12,7 @@
 #include "support/folder.hpp"
 
 #include <trellis/reader/cover_cache.hpp>
+#include <trellis/reader/robot_files.hpp>
 
 using namespace trellis;
 using trellis::test::Folder;
@@ -162,4 +163,31 @@ TEST_CASE("covers are stored in the user's cache folder") {
   CHECK(with("", "relative", "/home/a") == fs::path("/home/a/.cache/trellis/covers"));
   CHECK(with("", "", "") == std::nullopt);
   CHECK(with("1", "/cache", "/home/a") == std::nullopt);
+}
+
+TEST_CASE("a robot is read with a note on how far its balls protrude") {
+  const Folder folder;
+  ManipulatorFiles files;
+  files.urdf = folder.write("bar.urdf", R"(<robot name="bar">
+    <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <link name="arm"><collision><origin xyz="0.3 0 0"/><geometry><box size="0.3 0.05 0.05"/></geometry></collision></link>
+    <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  </robot>)");
+  std::vector<std::string> warnings;
+  const SphereModel robot = read_manipulator(files, warnings);
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("bar.urdf: link arm is covered by ") != std::string::npos);
+  CHECK(warnings[0].find(" balls that protrude at most 0.8 cm") != std::string::npos);
+  CHECK(robot.excess() > 0.007);
+  CHECK(robot.excess() <= 0.008 + 1e-9);
+  CHECK(robot.covers().links[0].excess == 0.0);
+  files.cover = 0.005;
+  const SphereModel finer = read_manipulator(files, warnings);
+  CHECK(finer.excess() <= 0.005 + 1e-9);
+  CHECK(finer.bodies()[1].size() > robot.bodies()[1].size());
+  // A shape that is attached is covered as the robot is.
+  const SphereModel with = finer.attached("box", {Cuboid{{0.1, 0.1, 0.1}}, {{0.6, 0, 0}, {}}}, 1, {});
+  CHECK(with.excess() <= 0.005 + 1e-9);
+  CHECK(with.bodies()[1].size() > finer.bodies()[1].size() + 10);
 }

@@ -39,13 +39,13 @@
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/schedule_figures.hpp>
+#include <trellis/figures/trajectory.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
-#include <trellis/report/trajectory.hpp>
 
 namespace trellis::command {
 

@@ -148,7 +148,7 @@ std::string section(const ObjectType& type) {
   for (const Field& member : type.members) {
     const bool method = member.type.starts_with("fun(self");
     text += fmt::format("| `{}{}` | {} | {} |\n", member.name, method ? "()" : "",
-                        code(method ? member.type.substr(member.type.rfind(' ') + 1) : member.type), cell(member.doc));
+                        code(method ? member.type.substr(member.type.find("): ") + 3) : member.type), cell(member.doc));
   }
   if (!type.members.empty()) text += '\n';
   return text;

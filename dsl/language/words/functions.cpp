@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <dsl/language/core/word.hpp>
+#include <dsl/language/words/manipulator.hpp>
 #include <dsl/lua/state.hpp>
 #include <trellis/strategy/registry.hpp>
 
@@ -212,8 +213,11 @@ void check_field(const Construct& construct, const Field& field, const Arguments
                      ((field.type == "table" || field.type == "number[]") && value.type() != Type::table) ||
                      (field.type == "string" && value.type() != Type::string);
   if (wrong) arguments.reject(field.name);
-  const bool pose = field.type.starts_with("number[]|trellis.Pose") && value.get<Pose3>() == nullptr && !value.string();
-  if (field.type == "number[]" || pose) read_numbers(value, fmt::format("{}: field '{}'", construct.name, field.name));
+  // A start, unless it is one of the other values that a start may be.
+  const bool start = field.type.starts_with("number[]|table<string, number>|trellis.Pose") &&
+                     value.get<Pose3>() == nullptr && value.get<LinkGoal>() == nullptr && !value.string() &&
+                     (value.type() != Type::table || value.keys().names.empty());
+  if (field.type == "number[]" || start) read_numbers(value, fmt::format("{}: field '{}'", construct.name, field.name));
 }
 
 int call_defined(const Defined& defined, Stack& call) {

@@ -381,7 +381,9 @@ const Construct& problem_construct() {
            {"goal",
             "number[]|number[][]|table<string, number>|trellis.Pose|trellis.Pose[]|string|string[]|trellis.Reach|"
             "trellis.Reach[]",
-            "as start, or a list of such", "the goal configuration, as start, or several of which any will do", true},
+            "a list of numbers, a table as { lift = 0.1, elbow = 1 }, a pose, a name, or reach { ... }; or a list of "
+            "these",
+            "the goal configuration, in metres and radians, or several of which any will do", true},
            {"motion", "trellis.Motion|trellis.Motion[]",
             "a motion model, as motion.unicycle1 {}, or of a team a list with one for each robot",
             "how the robot is driven; without one it moves straight to any configuration. It drives each robot of a "

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
-#include <trellis/report/trajectory.hpp>
+#include <trellis/figures/trajectory.hpp>
 #include <trellis/scene/scene.hpp>
 
 namespace trellis {

@@ -18,7 +18,7 @@ class InvalidEnd : public Error {
 };
 
 /// Returns "lift = 2.5, expected it in [-2, 2]" for the first coordinate that is out of its bounds, with as many digits
-/// as it takes to tell the numbers apart; "" where there is none.
+/// as distinguish the numbers; "" where there is none.
 std::string out_of_bounds(const Space& space, View q);
 
 /// Returns why a configuration is invalid: "link hand is in collision with obstacle 1 (board)"; "" where it is valid.

@@ -26,7 +26,8 @@ double size_of(const YamlEntry& entry, double size, const char* name) {
 /// Adds the outline of an obstacle on the floor; a floor has none.
 void add_obstacle(const std::string& key, const YamlEntry& obstacle, std::vector<Obstacle>& obstacles) {
   const std::string type = obstacle.at("type").word();
-  if (type == "floor") return;
+  obstacle.know({"name"});
+  if (type == "floor") return obstacle.know();
   if (type != "box" && type != "cylinder") {
     throw obstacle.at("type").error(
         fmt::format("the obstacle's type '{}' is not known, expected one of floor, box, cylinder", type));
@@ -79,6 +80,7 @@ std::vector<LimitedDisc> discs_of(const YamlEntry& robots) {
   for (const std::string& key : robots.keys()) {
     const YamlEntry robot = robots.at(key);
     if (!robot.has("root") || robot.at("root").word() != "True") continue;
+    robot.know({"name"});
     if (!robot.has("robots")) return {disc_of(robot)};
     std::vector<LimitedDisc> discs;
     for (const YamlEntry& member : robot.at("robots").list()) discs.push_back(disc_of(robots.at(member.word())));
@@ -142,6 +144,7 @@ SceneFile read_fibration_trees(const SourceText& text, const ReadOptions& option
   if (ends.at("goal").has("threshold")) {
     scene.warnings.emplace_back("the goal has a threshold; here it is the configuration itself");
   }
+  file.know({"name"});
   for (std::string& warning : unused_warnings(text, file.unused())) scene.warnings.push_back(std::move(warning));
   Problem problem = problem_in(stem_of(text.path),
                                std::make_shared<PlanarScene>(World(bounds, std::move(obstacles)),

@@ -104,7 +104,7 @@ std::vector<std::size_t> moving_joints(const ManipulatorFiles& files, const Urdf
       continue;
     }
     reasons += "\n  " + fault;
-    // The reader of the file has told of a locked joint.
+    // The reader of the file has reported a locked joint.
     if (!joint.locked) warnings.push_back(fmt::format("{}; it stays where it is", fault));
   }
   errors.raise();
@@ -282,15 +282,16 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
     warnings.push_back(fmt::format("{}: {}", files.urdf, text));
   }
   SphereModel::Pairs may_touch;
+  SphereModel::Pairs touching;
   if (!files.self_collision) {
-    may_touch = all_pairs(tree.links().size());
+    touching = all_pairs(tree.links().size());
   } else {
     if (srdf) may_touch = srdf->disabled;
-    const SphereModel::Pairs touching = likely_contacts(tree, covers, may_touch);
+    touching = likely_contacts(tree, covers, may_touch);
     if (!touching.empty()) warnings.push_back(touching_warning(files, tree, touching));
-    may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   }
-  SphereModel model(robot, std::move(covers), std::move(may_touch));
+  may_touch.insert(may_touch.end(), touching.begin(), touching.end());
+  const SphereModel model = SphereModel(robot, std::move(covers), std::move(may_touch)).with_touching(touching);
   if (const auto standing = model.standing(); standing && standing->gap <= 0.0) {
     warnings.push_back(
         fmt::format("{}: '{}' meets '{}' at the values of the joints that do not move: no configuration "

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -16,6 +17,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <trellis/reader/mesh_formats.hpp>
 
@@ -44,14 +46,22 @@ class Descriptor {
   int number_;
 };
 
-/// Returns the path of the program that converts, "" if there is none: beside this program, or as installed.
+/// Returns the path of the program that converts, "" if there is none: beside this program or library, or as installed.
 std::string converter() {
+  std::vector<fs::path> folders;
   std::error_code fault;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", fault).parent_path();
-  if (fault) return "";
-  for (const char* place :
-       {"trellis-mesh", "../trellis-mesh", "../../trellis-mesh", "../libexec/trellis/trellis-mesh"}) {
-    if (const fs::path path = folder / place; ::access(path.c_str(), X_OK) == 0) return path.string();
+  if (const fs::path program = fs::read_symlink("/proc/self/exe", fault); !fault) {
+    folders.push_back(program.parent_path());
+  }
+  // In Python the program is the interpreter, and this is in a library.
+  if (Dl_info library{}; ::dladdr(reinterpret_cast<void*>(&converter), &library) != 0 && library.dli_fname != nullptr) {
+    folders.push_back(fs::absolute(library.dli_fname, fault).parent_path());
+  }
+  for (const fs::path& folder : folders) {
+    for (const char* place :
+         {"trellis-mesh", "../trellis-mesh", "../../trellis-mesh", "../libexec/trellis/trellis-mesh"}) {
+      if (const fs::path path = folder / place; ::access(path.c_str(), X_OK) == 0) return path.string();
+    }
   }
   return "";
 }

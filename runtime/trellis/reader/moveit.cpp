@@ -318,8 +318,8 @@ class SceneReader {
     for (const std::string& frame : own) {
       if (!tree.find_link(frame)) objects.name_world(frame);
     }
-    // MoveIt writes a frame as the header's, and the frame of the robot's model as the child's; tf has it the other
-    // way round. A chain may begin later in the file.
+    // MoveIt writes a frame as the header's, and the frame of the robot's model as the child's; tf writes the reverse.
+    // A chain may begin later in the file.
     std::vector<YamlEntry> open = scene_.list("fixed_frame_transforms");
     const auto is_own = [&](const std::string& frame) { return frame.empty() || frame == root || own.contains(frame); };
     for (bool more = true; more && !open.empty();) {
@@ -749,7 +749,7 @@ class SceneReader {
     return values.coordinates();
   }
 
-  /// A joint that does not move must be where a goal wants it.
+  /// A joint that does not move must be where a goal places it.
   void check_fixed(const YamlEntry& constraint, std::size_t joint, double value) const {
     const Manipulator& arm = robot_.robot();
     const Joint& of = arm.tree().joints()[joint];

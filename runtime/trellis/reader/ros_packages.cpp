@@ -70,7 +70,7 @@ std::vector<fs::path> folders_in(const char* variable) {
 }
 
 /// Adds a package in a folder or below, as rospack looks for it: in folders within folders up to the first package.
-/// \param left  folders that may still be looked at
+/// \param left  folders that may still be examined
 void add_below(const fs::path& folder, const std::string& package, int depth, std::size_t& left,
                std::vector<fs::path>& found) {
   if (left == 0 || !is_folder(folder)) return;

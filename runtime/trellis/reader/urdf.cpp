@@ -309,7 +309,14 @@ class UrdfReader {
     const auto limit = entry.child("limit");
     // Times of paths are of velocities alone.
     if (limit) limit->skip({"effort", "acceleration", "deceleration", "jerk"});
-    if (limit) joint.velocity = std::max(0.0, limit->number("velocity", 0.0));
+    if (limit) {
+      try {
+        joint.velocity = std::max(0.0, limit->number("velocity", 0.0));
+      } catch (const Error&) {
+        // Times alone need it, so it refuses no robot.
+        notices_.add(limit->line(), fmt::format("'velocity' of joint '{}' is no number", joint.name));
+      }
+    }
     if (joint.kind == Joint::Kind::fixed) entry.skip({"axis", "limit", "safety_controller"});
     if (joint.kind == Joint::Kind::planar || joint.kind == Joint::Kind::floating) entry.skip({"limit"});
     if (!joint.limited()) entry.skip({"safety_controller"});

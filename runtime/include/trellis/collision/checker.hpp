@@ -31,8 +31,8 @@ struct Contact {
   std::size_t body = 0;                   ///< the robot's body
   std::optional<std::size_t> obstacle;    ///< the obstacle of the world; none: the boundary, or another body
   std::optional<std::size_t> other = {};  ///< the robot's other body of the contact
-  std::string link = {};                  ///< of `body`, in contact with `other_link`; "" where the bodies' names say it
-  std::string other_link = {};            ///< of `other`
+  std::string link = {};        ///< of `body`, in contact with `other_link`; "" where the bodies' names say it
+  std::string other_link = {};  ///< of `other`
 };
 
 /// The obstacle nearest to the robot at a configuration.

@@ -545,8 +545,8 @@ unsigned approach_chain(const ChainBody* bodies, unsigned count, const Lanes* fr
     }
     if (!near) continue;
     const V3 other = PairOfParts::whole(pair.second, two);
-    if (!pair.all() && !near_balls(PairOfParts::whole(pair.first, one), pair.first.whole.radius, other,
-                                   pair.second.whole.radius)) {
+    if (!pair.all() &&
+        !near_balls(PairOfParts::whole(pair.first, one), pair.first.whole.radius, other, pair.second.whole.radius)) {
       continue;
     }
     pair.each(one, two, other, near_balls, [&](unsigned k, unsigned l, const V3& block, double block_radius) {
@@ -662,8 +662,8 @@ void measure_chain(const ChainBody* bodies, unsigned count, const Lanes* frames,
     }
     if (!near) continue;
     const V3 other = PairOfParts::whole(pair.second, two);
-    if (!pair.all() && !near_balls(PairOfParts::whole(pair.first, one), pair.first.whole.radius, other,
-                                   pair.second.whole.radius)) {
+    if (!pair.all() &&
+        !near_balls(PairOfParts::whole(pair.first, one), pair.first.whole.radius, other, pair.second.whole.radius)) {
       continue;
     }
     pair.each(one, two, other, near_balls, [&](unsigned k, unsigned l, const V3& block, double block_radius) {

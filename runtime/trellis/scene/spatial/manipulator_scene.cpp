@@ -127,15 +127,16 @@ SphereModel::SphereModel(Manipulator robot, Pairs may_touch)
 SphereModel::SphereModel(Manipulator robot, LinkCovers covers, Pairs may_touch)
     : SphereModel(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), std::move(may_touch)) {
   const KinematicTree& tree = robot_.tree();
-  const Pairs beside = neighbours(tree);
-  Pairs all = std::move(may_touch_);
-  all.insert(all.end(), beside.begin(), beside.end());
+  touching_ = neighbours(tree);
   for (std::size_t a = 0; a < tree.links().size(); ++a) {
     if (tree.links()[a].solids.empty()) continue;
     for (std::size_t b = a + 1; b < tree.links().size(); ++b) {
-      if (!tree.links()[b].solids.empty() && tree.fixed_together(a, b)) all.emplace_back(a, b);
+      if (!tree.links()[b].solids.empty() && tree.fixed_together(a, b)) touching_.emplace_back(a, b);
     }
   }
+  std::sort(touching_.begin(), touching_.end());
+  Pairs all = std::move(may_touch_);
+  all.insert(all.end(), touching_.begin(), touching_.end());
   permit(std::move(all));
 }
 
@@ -158,10 +159,18 @@ SphereModel::SphereModel(const SphereModel& whole, Manipulator robot, std::vecto
       exact_(whole.exact_),
       covers_shapes_(false) {}
 
-void SphereModel::copy_names(const SphereModel& from) {
-  base_ = from.base_;
-  states_ = from.states_;
-  world_frame_ = from.world_frame_;
+void SphereModel::keep(const SphereModel& other) {
+  base_ = other.base_;
+  states_ = other.states_;
+  world_frame_ = other.world_frame_;
+  touching_ = other.touching_;
+}
+
+SphereModel SphereModel::with_touching(const Pairs& touching) const {
+  SphereModel with = *this;
+  with.touching_.insert(with.touching_.end(), touching.begin(), touching.end());
+  std::sort(with.touching_.begin(), with.touching_.end());
+  return with;
 }
 
 void SphereModel::permit(Pairs may_touch) {
@@ -456,7 +465,7 @@ SphereModel SphereModel::attached(const std::string& name, const Solid& solid, s
   }
   SphereModel with(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {});
   with.permit(std::move(may_touch));
-  with.copy_names(*this);
+  with.keep(*this);
   return with;
 }
 
@@ -469,14 +478,16 @@ SphereModel SphereModel::with_world_frame(std::string name) const {
 SphereModel SphereModel::with_values(const std::vector<std::vector<double>>& values) const {
   SphereModel with(covers_, Manipulator(robot_.tree(), robot_.moving(), values), {});
   with.permit(Pairs(may_touch_));
-  with.copy_names(*this);
+  with.keep(*this);
   return with;
 }
 
 SphereModel SphereModel::with_permissions(const Pairs& may_touch, const Pairs& checked) const {
   std::set<std::pair<std::size_t, std::size_t>> pairs(may_touch_.begin(), may_touch_.end());
   pairs.insert(may_touch.begin(), may_touch.end());
-  for (const auto& pair : checked) pairs.erase(pair);
+  for (const auto& pair : checked) {
+    if (!std::binary_search(touching_.begin(), touching_.end(), pair)) pairs.erase(pair);
+  }
   SphereModel with = *this;
   with.permit(Pairs(pairs.begin(), pairs.end()));
   return with;
@@ -502,7 +513,7 @@ SphereModel SphereModel::padded(const std::vector<double>& scale, const std::vec
   }
   SphereModel whole(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {});
   whole.permit(std::move(may_touch));
-  whole.copy_names(*this);
+  whole.keep(*this);
   return whole;
 }
 

@@ -121,6 +121,9 @@ class SphereModel {
   /// Returns the robot whose joints that do not move are at other values.
   /// \param values  see Manipulator
   [[nodiscard]] SphereModel with_values(const std::vector<std::vector<double>>& values) const;
+  /// Returns the robot with pairs of links that may touch whatever `with_permissions` says, as neighbours may: pairs
+  /// that touch in nearly every configuration. The lesser one first.
+  [[nodiscard]] SphereModel with_touching(const Pairs& touching) const;
   /// Returns the robot with other pairs of links that may touch. Both lists have the lesser link first.
   [[nodiscard]] SphereModel with_permissions(const Pairs& may_touch, const Pairs& checked) const;
   /// Returns the robot that keeps a distance from obstacles, as MoveIt's link_scale and link_padding have it: each
@@ -151,8 +154,9 @@ class SphereModel {
   void permit(Pairs may_touch);
   void divide();
   void add_standing();
-  /// Takes the base, the named configurations and the world's frame of another model.
-  void copy_names(const SphereModel& from);
+  /// Takes what a robot has beside its geometry from another model: the base, the named configurations, the world's
+  /// frame, and the pairs that may always touch.
+  void keep(const SphereModel& other);
   void enclose();
   /// The tip among the bodies that these coordinates move, ascending; empty: all bodies.
   [[nodiscard]] PointOnBody tip_moved_by(const std::vector<std::size_t>& axes) const;
@@ -168,6 +172,7 @@ class SphereModel {
   Pose3 base_;
   std::vector<State> states_;
   std::string world_frame_;
+  Pairs touching_;  ///< pairs of links that may touch whatever permissions say, ascending
   bool exact_ = true;
   bool covers_shapes_ = true;
   double bounding_radius_ = 0.0;

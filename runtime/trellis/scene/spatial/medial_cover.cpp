@@ -307,8 +307,8 @@ class Region {
 
  private:
   /// The cells whose centres are inside the mesh. Where the mesh is closed, the winding number says which: the sum over
-  /// the triangles that a ray crosses. Elsewhere the rays along all six directions of the axes must agree: all wind the
-  /// same way, or all cross an odd number of triangles.
+  /// the triangles that a ray crosses. Elsewhere the rays along all six directions of the axes must agree: all wind in
+  /// the same direction, or all cross an odd number of triangles.
   [[nodiscard]] std::vector<char> cells_inside(const Grid& grid) const {
     const bool closed = distance_->mesh().closed();
     std::vector<char> forward(grid.size(), 1), backward(grid.size(), closed ? 0 : 1), odd(backward);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/trajectory.hpp>
+#include <trellis/figures/trajectory.hpp>
 
 #include <fmt/format.h>
 
@@ -82,7 +82,8 @@ std::string yaml(const TimedRun& timed) {
     const auto nanoseconds = static_cast<std::int64_t>(std::llround(sample.time * nano));
     constexpr std::int64_t second = 1'000'000'000;
     text += fmt::format("  - positions: {}\n    velocities: {}\n    time_from_start: {{sec: {}, nanosec: {}}}\n",
-                        numbers_text(sample.position), numbers_text(sample.velocity), nanoseconds / second, nanoseconds % second);
+                        numbers_text(sample.position), numbers_text(sample.velocity), nanoseconds / second,
+                        nanoseconds % second);
   }
   return text;
 }
