@@ -43,7 +43,7 @@ const Settings<UrdfSettings>& urdf_settings() {
           .boolean("soft_limits", &UrdfSettings::soft_limits,
                    "joints stay within the soft limits of <safety_controller>, too")
           .choice("missing_meshes", &UrdfSettings::leave_out_missing, {{"error", false}, {"leave_out", true}},
-                  "where a mesh is not found: \"error\", or \"leave_out\", the link lacks it, by a warning");
+                  R"(where a mesh is not found: "error", or "leave_out", the link lacks it, by a warning)");
   return settings;
 }
 

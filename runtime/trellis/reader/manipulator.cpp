@@ -291,7 +291,8 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
     if (!touching.empty()) warnings.push_back(touching_warning(files, tree, touching));
   }
   may_touch.insert(may_touch.end(), touching.begin(), touching.end());
-  const SphereModel model = SphereModel(robot, std::move(covers), std::move(may_touch)).with_touching(touching);
+  const SphereModel covered(robot, std::move(covers), std::move(may_touch));
+  const SphereModel model = covered.with_touching(touching);
   if (const auto standing = model.standing(); standing && standing->gap <= 0.0) {
     warnings.push_back(
         fmt::format("{}: '{}' meets '{}' at the values of the joints that do not move: no configuration "
