@@ -113,7 +113,7 @@ Count compare(const SphereModel& whole, Stream& stream, int groups, int configur
         values[all[k]] = {q[k]};
       }
     }
-    const SphereModel group(Manipulator(tree, moving, values), whole.may_touch());
+    const SphereModel group(Manipulator(tree, moving, values), whole.covers(), whole.may_touch());
     const auto of_group = checker_of(group);
     for (int i = 0; i < configurations; ++i) {
       Configuration own;
@@ -191,7 +191,7 @@ TEST_CASE("motions of a group are certified where those of the robot with all jo
       a[k] = drawn_value(stream, tree.joints()[all[k]]);
       if (k >= moving.size()) values[all[k]] = {a[k]};
     }
-    const auto of_group = checker_of(SphereModel(Manipulator(tree, moving, values), {}));
+    const auto of_group = checker_of(SphereModel(Manipulator(tree, moving, values), whole.covers(), {}));
     for (int i = 0; i < 20; ++i) {
       Configuration b = a;
       for (std::size_t k = 0; k < moving.size(); ++k) {

@@ -30,7 +30,7 @@ std::string out_of_bounds(const Space& space, View q) {
 std::string fault_of(const Problem& problem, View q, const Checker& checker) {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::all_of(q.begin(), q.end(), finite)) return "a coordinate is no finite number";
-  if (const std::string outside = out_of_bounds(problem.space, q); !outside.empty()) return outside;
+  if (std::string outside = out_of_bounds(problem.space, q); !outside.empty()) return outside;
   if (problem.motion_model && !problem.motion_model->admits(q)) {
     return fmt::format("it is out of the limits of {}", problem.motion_model->text());
   }

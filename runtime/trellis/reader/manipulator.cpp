@@ -292,7 +292,7 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
   }
   may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   const SphereModel covered(robot, std::move(covers), std::move(may_touch));
-  const SphereModel model = covered.with_touching(touching);
+  SphereModel model = covered.with_touching(touching);
   if (const auto standing = model.standing(); standing && standing->gap <= 0.0) {
     warnings.push_back(
         fmt::format("{}: '{}' meets '{}' at the values of the joints that do not move: no configuration "

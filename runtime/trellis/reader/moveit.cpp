@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -67,13 +68,11 @@ class JointValues {
     }
     const auto j = robot_.tree().find_joint(name);
     constexpr double nothing = 1e-3;
-    if (!j) {
-      unread_.insert(name);
-    } else if (robot_.tree().joints()[*j].mimic) {
-      return;  // its leader determines it
-    } else if (robot_.tree().joints()[*j].width() == 1) {
+    // The leader of a follower determines it.
+    if (j && robot_.tree().joints()[*j].mimic) return;
+    if (j && robot_.tree().joints()[*j].width() == 1) {
       values_[*j] = {value};
-    } else if (std::abs(value) > nothing) {
+    } else if (!j || std::abs(value) > nothing) {
       unread_.insert(name);
     }
   }
@@ -138,11 +137,9 @@ class JointValues {
 
 /// Constraints of a message of MoveIt, whose lists have these names.
 bool has_constraints(const YamlEntry& constraints) {
-  for (const char* kind :
-       {"joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints"}) {
-    if (!constraints.list(kind).empty()) return true;
-  }
-  return false;
+  constexpr std::array<const char*, 4> kinds = {"joint_constraints", "position_constraints", "orientation_constraints",
+                                                "visibility_constraints"};
+  return std::any_of(kinds.begin(), kinds.end(), [&](const char* kind) { return !constraints.list(kind).empty(); });
 }
 
 /// Reads a scene and its request for a robot.

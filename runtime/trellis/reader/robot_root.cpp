@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string_view>
 
@@ -16,10 +18,10 @@ namespace {
 /// Whether a value has an expression that xacro replaces.
 bool has_expression(std::string_view value) {
   if (value.find('$') == std::string_view::npos) return false;
-  for (const char* begin : {"${", "$(find ", "$(arg ", "$(env ", "$(optenv ", "$(eval ", "$(dirname)"}) {
-    if (value.find(begin) != std::string_view::npos) return true;
-  }
-  return false;
+  constexpr std::array<std::string_view, 7> begins = {"${",        "$(find ", "$(arg ",    "$(env ",
+                                                      "$(optenv ", "$(eval ", "$(dirname)"};
+  return std::any_of(begins.begin(), begins.end(),
+                     [&](std::string_view begin) { return value.find(begin) != std::string_view::npos; });
 }
 
 /// \throws Error at the first element of xacro. Files that xacro has expanded may declare its namespace.

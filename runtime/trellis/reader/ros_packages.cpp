@@ -147,7 +147,8 @@ std::string RosPackages::advice(const std::string& uri) const {
     return fmt::format("files without a package are beside the URDF file or in one of the {} folders above",
                        most_above);
   }
-  const auto& [package, path] = *parts;
+  const std::string& package = parts->first;
+  const std::string& path = parts->second;
   const auto option = [&](const std::string& folder) {
     const bool plain = std::all_of(package.begin(), package.end(), [](unsigned char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';

@@ -21,7 +21,7 @@ namespace {
 XmlEntry srdf_root(const SourceText& text) {
   XmlEntry robot = robot_root(text, "an SRDF file");
   if (robot.child("link") && !robot.child("group")) {
-    throw robot.error("it is a URDF file, which has links: robot.urdf(\"FILE.urdf\", { srdf = \"FILE.srdf\" })");
+    throw robot.error(R"(it is a URDF file, which has links: robot.urdf("FILE.urdf", { srdf = "FILE.srdf" }))");
   }
   return robot;
 }
@@ -88,9 +88,9 @@ class SrdfReader {
       warn_of_fault(groups_[i], "the group", [&] {
         const std::string name = groups_[i].word("name");
         if (group_numbers_.emplace(name, i).second) return;
-        const Error fault = groups_[i].error(fmt::format("a second group is called '{}'", name));
-        file_.faults.emplace(name, fault.what());
-        throw fault;
+        const std::string fault = fmt::format("a second group is called '{}'", name);
+        file_.faults.emplace(name, groups_[i].error(fault).what());
+        throw groups_[i].error(fault);
       });
     }
     for (std::size_t i = 0; i < groups_.size(); ++i) {

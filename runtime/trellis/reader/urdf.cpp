@@ -87,7 +87,7 @@ class UrdfReader {
     const std::string name = robot_.has("name") ? robot_.word("name") : "robot";
     const std::vector<XmlEntry> links = robot_.children("link");
     if (links.empty() && robot_.child("group")) {
-      throw robot_.error("it is an SRDF file, which has no links: robot.urdf(\"FILE.urdf\", { srdf = \"FILE.srdf\" })");
+      throw robot_.error(R"(it is an SRDF file, which has no links: robot.urdf("FILE.urdf", { srdf = "FILE.srdf" }))");
     }
     // Planning needs no colours, motors or sensors, and nothing that is for a simulator.
     robot_.skip({"version", "material", "transmission", "gazebo", "sensor", "ros2_control"});

@@ -121,7 +121,7 @@ SphereModel::Pairs neighbours(const KinematicTree& tree) {
   return pairs;
 }
 
-SphereModel::SphereModel(Manipulator robot, Pairs may_touch)
+SphereModel::SphereModel(const Manipulator& robot, Pairs may_touch)
     : SphereModel(robot, link_covers(robot.tree()), std::move(may_touch)) {}
 
 SphereModel::SphereModel(Manipulator robot, LinkCovers covers, Pairs may_touch)

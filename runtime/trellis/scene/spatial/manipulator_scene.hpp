@@ -60,7 +60,7 @@ class SphereModel {
 
   /// \param may_touch  pairs of links that are not checked against each other, the lesser one first. `neighbours` and
   ///     links that fixed joints connect are never checked
-  explicit SphereModel(Manipulator robot, Pairs may_touch = {});
+  explicit SphereModel(const Manipulator& robot, Pairs may_touch = {});
   /// \param covers  of the robot's links
   SphereModel(Manipulator robot, LinkCovers covers, Pairs may_touch);
 

@@ -103,10 +103,8 @@ class Parts {
     return most;
   }
   [[nodiscard]] bool within(std::size_t part, const Vec3& c, double squared) const {
-    for (const Vec3& p : points(part)) {
-      if (!(dot(p - c, p - c) <= squared)) return false;
-    }
-    return true;
+    const std::span<const Vec3> own = points(part);
+    return std::all_of(own.begin(), own.end(), [&](const Vec3& p) { return dot(p - c, p - c) <= squared; });
   }
 
  private:
@@ -164,7 +162,7 @@ struct Grid {
     return static_cast<std::size_t>(std::max(1.0, std::ceil(extent / step)));
   }
   [[nodiscard]] std::size_t cell(double at, std::size_t axis) const {
-    const double last = static_cast<double>(count[axis] - 1);
+    const auto last = static_cast<double>(count[axis] - 1);
     return static_cast<std::size_t>(std::clamp(std::floor(at / step), 0.0, last));
   }
 };
@@ -457,7 +455,7 @@ class Region {
         if (z > 0.0) continue;
         for (std::size_t layer = 0; layer < layers; ++layer) {
           std::array<Vec3, 6> points;
-          for (unsigned k = 0; k < 2; ++k) {
+          for (std::size_t k = 0; k < 2; ++k) {
             const double height = -half + cylinder.length * double(layer + k) / double(layers);
             points[3 * k] = pose_({radius * a.x, radius * a.y, height});
             points[3 * k + 1] = pose_({tangents.x, tangents.y, height});
