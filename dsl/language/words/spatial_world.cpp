@@ -435,7 +435,7 @@ Pose3 pose_of(const Arguments& arguments) {
 std::string pose_hint(Stack& stack, const Pose3& pose) {
   const int before = stack.size();
   const Value hint = stack.push_hidden(hints).field(hint_key(pose));
-  const std::string text = hint.string().value_or("");
+  std::string text = hint.string().value_or("");
   stack.resize(before);
   return text;
 }

@@ -92,7 +92,7 @@ constexpr std::array<Signature, 35> endings = {{
      "; robot.urdf(\"FILE.urdf\") reads it, and `trellis scene FILE.urdf` prints what is in it"},
     {"xacro"sv, "a xacro file, of which ROS makes a URDF", "; expand it first: xacro FILE > robot.urdf"},
     {"srdf"sv, "an SRDF, which names groups of a robot's joints for MoveIt",
-     "; robot.urdf(\"FILE.urdf\", { srdf = \"FILE.srdf\" }) reads it with its robot"},
+     R"(; robot.urdf("FILE.urdf", { srdf = "FILE.srdf" }) reads it with its robot)"},
     {"sdf"sv, "an SDF file, a world or a model of Gazebo", shapes},
     {"world"sv, "a world of Gazebo or Stage", shapes},
     {"wbt"sv, "a world of Webots", shapes},
