@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A pair permission is a statement about two links: which joints move, and where the others are, changes no answer.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -86,6 +88,18 @@ std::vector<std::size_t> all_moving(const KinematicTree& tree) {
 double drawn_value(Stream& stream, const Joint& joint) {
   if (joint.kind != Joint::Kind::continuous) return stream.uniform(joint.lo, joint.hi);
   return stream.uniform(-std::numbers::pi, std::numbers::pi);
+}
+
+/// A URDF file of a robot with two joints about z. Its links a, b and c have a ball each: that of b is at the second
+/// joint, that of c at a place along x from there.
+std::string folding_arm(double place, const std::string& more = "") {
+  return fmt::format(
+      R"(<robot name="r"><link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="b"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="c"><collision><origin xyz="{} 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>
+<joint name="k" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2"/></joint>{}</robot>)",
+      place, more);
 }
 
 struct Count {
@@ -217,13 +231,8 @@ TEST_CASE("motions of a group are certified where those of the robot with all jo
 TEST_CASE("links of one body that touch leave no valid configuration", "[collision][robot]") {
   const test::Folder folder;
   const std::string text =
-      R"(<robot name="r"><link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="b"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="c"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="d"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
-<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>
-<joint name="k" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2"/></joint>
-<joint name="l" type="prismatic"><parent link="c"/><child link="d"/><origin xyz="0.7 0 0"/><axis xyz="1 0 0"/><limit lower="0" upper="0.2"/></joint></robot>)";
+      folding_arm(0.5, R"(<link name="d"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="l" type="prismatic"><parent link="c"/><child link="d"/><origin xyz="0.7 0 0"/><axis xyz="1 0 0"/><limit lower="0" upper="0.2"/></joint>)");
   ManipulatorFiles files;
   files.urdf = folder.write("r.urdf", text);
   files.joints = {"l"};
@@ -254,12 +263,7 @@ TEST_CASE("links of one body that touch leave no valid configuration", "[collisi
 
 TEST_CASE("a pair that touches at zero alone is checked", "[robot]") {
   const test::Folder folder;
-  const std::string text =
-      R"(<robot name="r"><link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="b"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="c"><collision><origin xyz="-0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>
-<joint name="k" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint></robot>)";
+  const std::string text = folding_arm(-0.5);
   ManipulatorFiles files;
   files.urdf = folder.write("r.urdf", text);
   std::vector<std::string> warnings;
@@ -274,7 +278,7 @@ TEST_CASE("permissions of a link concern no link that is fixed to it", "[robot]"
   // A coarse cover is fixed to link b, and may touch the base; b itself may not.
   const std::string text =
       R"(<robot name="r"><link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="a"/><link name="b"><collision><origin xyz="0.9 0 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>
+<link name="a"/><link name="b"><collision><origin xyz="0.55 0 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>
 <link name="coarse"><collision><origin xyz="0.6 0 0"/><geometry><sphere radius="0.4"/></geometry></collision></link>
 <link name="m"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
 <joint name="j" type="revolute"><parent link="base"/><child link="m"/><origin xyz="0 0 0.3"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>
@@ -288,24 +292,23 @@ TEST_CASE("permissions of a link concern no link that is fixed to it", "[robot]"
   std::vector<std::string> warnings;
   const auto valid = [&](const SphereModel& robot, const Configuration& q) { return checker_of(robot)->valid(q); };
   const SphereModel robot = read_manipulator(files, warnings);
-  // At the limit b's own ball is 0.4 m behind the base; coarse contains the base.
-  CHECK(valid(robot, {0.0, 3.1}));
-  // Without the permission coarse meets it.
+  // Here coarse meets the base, and b does not; there b meets it, too.
+  const Configuration here = {0.0, 2.4};
+  const Configuration there = {0.0, 3.1};
+  CHECK(valid(robot, here));
+  CHECK_FALSE(valid(robot, there));
+  const ManipulatorScene permitted(empty_world(), robot);
+  CHECK(describe(*checker_of(robot)->contact(there), permitted) == "itself (base meets b)");
   files.srdf = folder.write("s.srdf", R"(<robot name="r"><disable_collisions link1="coarse" link2="m"/></robot>)");
   const SphereModel strict = read_manipulator(files, warnings);
-  CHECK_FALSE(valid(strict, {0.0, 3.1}));
+  CHECK_FALSE(valid(strict, here));
   const ManipulatorScene scene(empty_world(), strict);
-  CHECK(describe(*checker_of(strict)->contact(Configuration{0.0, 3.1}), scene) == "itself (base meets coarse)");
+  CHECK(describe(*checker_of(strict)->contact(here), scene) == "itself (base meets coarse)");
 }
 
 TEST_CASE("what an attached shape may touch is a permission of the shape alone", "[robot]") {
   const test::Folder folder;
-  const std::string text =
-      R"(<robot name="r"><link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="b"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-<link name="c"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>
-<joint name="k" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2"/></joint></robot>)";
+  const std::string text = folding_arm(0.5);
   ManipulatorFiles files;
   files.urdf = folder.write("r.urdf", text);
   std::vector<std::string> warnings;

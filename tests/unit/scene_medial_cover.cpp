@@ -249,32 +249,3 @@ TEST_CASE("a cover depends on its arguments alone") {
     CHECK(medial_cover(one.solids).balls == medial_cover(one.solids).balls);
   }
 }
-
-TEST_CASE("coarse balls contain their groups, and each ball is in one") {
-  for (const Case& one : cases()) {
-    CAPTURE(one.name);
-    std::vector<BodySphere> balls = medial_cover(one.solids).balls;
-    const std::vector<BodySphere> before = balls;
-    const std::vector<CoarseBall> groups = group_balls(balls, 0.03);
-    std::size_t next = 0;
-    for (const CoarseBall& group : groups) {
-      REQUIRE(group.first == next);
-      REQUIRE(group.count > 0);
-      next += group.count;
-      REQUIRE(next <= balls.size());
-      for (std::size_t i = group.first; i < next; ++i) {
-        CHECK(norm(balls[i].centre - group.centre) + balls[i].radius <= group.radius * (1.0 + 1e-12));
-      }
-    }
-    CHECK(next == balls.size());
-    const auto less = [](const BodySphere& a, const BodySphere& b) {
-      return std::tie(a.centre.x, a.centre.y, a.centre.z, a.radius) <
-             std::tie(b.centre.x, b.centre.y, b.centre.z, b.radius);
-    };
-    std::vector<BodySphere> sorted = before;
-    std::sort(sorted.begin(), sorted.end(), less);
-    std::sort(balls.begin(), balls.end(), less);
-    CHECK(sorted == balls);
-    if (before.size() > 20) CHECK(groups.size() < before.size());
-  }
-}

@@ -88,7 +88,8 @@ const Construct& attach_construct() {
       .element = "",
       .fields = {{"link", "string", "the name of a link", "that carries the shape", true},
                  {"touch", "string[]", "a list of names of links",
-                  "that may touch the shape, beside the link that carries it and those next to it"}},
+                  "that may touch the shape, beside the link that carries it and links that fixed joints connect to "
+                  "that one"}},
       .options = {},
       .returns = "trellis.Manipulator",
       .arguments = {{"shape", "trellis.Shape", "a shape of space", "in the frame of the link", true}}};
@@ -106,11 +107,7 @@ const Construct& reach_construct() {
           "as '2/panda_hand', or a list has an element for each robot",
       .list = "",
       .element = "",
-      .fields = {{"link", "string", "the name of a link", "whose frame is to be at the pose", true},
-                 {"pose", "trellis.Pose", "a pose, as pose {0.5, 0, 0.4}", "where, in the world", true},
-                 {"within", "number[]", "a list of 2 numbers greater than 0: metres, radians",
-                  "how near to the pose's position and orientation; of pi or more radians any orientation will do",
-                  false, "{0.001, 0.01}"}},
+      .fields = target_fields(),
       .options = {},
       .returns = "trellis.Reach"};
   return construct;
@@ -213,13 +210,19 @@ void read_group(Value value, ManipulatorFiles& files) {
   if (files.joints.empty()) throw Error("robot.urdf: field 'group' names no joint; leave it out for all that can move");
 }
 
+/// \throws Error where a field of robot.urdf is no table of names
+void check_names(const std::string& field, Value value) {
+  const bool table = value.type() == Type::table;
+  if (table && value.keys().length == 0 && value.keys().odd.empty()) return;
+  const std::vector<Field>& fields = urdf_construct().fields;
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& one) { return one.name == field; });
+  throw Error(fmt::format("robot.urdf: field '{}' must be {}, got {}", field, found->expects,
+                          table ? "a list" : describe(value)));
+}
+
 void read_values(Value value, ManipulatorFiles& files) {
   if (!value.given()) return;
-  const bool table = value.type() == Type::table;
-  if (!table || value.keys().length > 0 || !value.keys().odd.empty()) {
-    throw Error(fmt::format("robot.urdf: field 'values' must be {}, got {}", urdf_construct().fields[2].expects,
-                            table ? "a list" : describe(value)));
-  }
+  check_names("values", value);
   for (const std::string& name : value.keys().names) {
     const auto number = value.field(name).number();
     if (!number || !std::isfinite(*number)) {
@@ -232,11 +235,7 @@ void read_values(Value value, ManipulatorFiles& files) {
 
 void read_packages(Value value, ManipulatorFiles& files, const ScriptPlace& place) {
   if (!value.given()) return;
-  const bool table = value.type() == Type::table;
-  if (!table || value.keys().length > 0 || !value.keys().odd.empty()) {
-    throw Error(fmt::format("robot.urdf: field 'packages' must be {}, got {}", urdf_construct().fields[4].expects,
-                            table ? "a list" : describe(value)));
-  }
+  check_names("packages", value);
   for (const std::string& name : value.keys().names) {
     const auto folder = value.field(name).string();
     if (!folder || folder->empty()) {
@@ -431,6 +430,14 @@ void check_fields(const Construct& construct, Value table) {
     }
   }
   faults.raise();
+}
+
+std::vector<Field> target_fields() {
+  return {{"link", "string", "the name of a link", "whose frame is to be at the pose", true},
+          {"pose", "trellis.Pose", "a pose, as pose {0.5, 0, 0.4}", "where, in the world", true},
+          {"within", "number[]", "a list of 2 numbers greater than 0: metres, radians",
+           "how near to the pose's position and orientation; of pi or more radians any orientation will do", false,
+           "{0.001, 0.01}"}};
 }
 
 std::vector<const Construct*> manipulator_constructs() { return {&urdf_construct(), &reach_construct()}; }

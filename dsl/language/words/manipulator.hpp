@@ -28,6 +28,9 @@ struct LinkGoal {
 /// \throws Error for a table that has other fields than the construct, or lacks a required one
 void check_fields(const Construct& construct, lua::Value table);
 
+/// The fields of a pose that a link is to have: link, pose and within.
+std::vector<Field> target_fields();
+
 /// Registers `reach`, and adds `urdf` to the table of robots, which open_world made.
 /// \param place  of the script, whose files it reads
 /// \param warnings  receives those about the files

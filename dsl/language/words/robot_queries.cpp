@@ -124,6 +124,23 @@ Field valid_member_of(const std::string& type) {
           "not: robot:valid({0, 0.3, 1}, world). Robots that are fixed to their base need no world"};
 }
 
+namespace {
+
+std::vector<Field> ik_fields() {
+  std::vector<Field> fields = target_fields();
+  const std::vector<Field> more = {
+      {"world", "trellis.World", "a world of space", "whose obstacles the robot must not touch; none: no obstacles"},
+      {"seed", "integer|number[]|table<string, number>|string", "a configuration, or a whole number of at least 0",
+       "a configuration: the first attempt starts there, and the solutions nearest to it come first; a "
+       "number: that of the random starts",
+       false, "0"},
+      {"count", "integer", "a whole number from 1 to 1000", "at most so many configurations", false, "10"}};
+  fields.insert(fields.end(), more.begin(), more.end());
+  return fields;
+}
+
+}  // namespace
+
 const Construct& ik_construct() {
   static const Construct construct = {
       .name = "ik",
@@ -133,19 +150,7 @@ const Construct& ik_construct() {
           "none, why",
       .list = "",
       .element = "",
-      .fields = {{"link", "string", "the name of a link", "whose frame is to be at the pose", true},
-                 {"pose", "trellis.Pose", "a pose, as pose {0.5, 0, 0.4}", "where, in the world", true},
-                 {"within", "number[]", "a list of 2 numbers greater than 0: metres, radians",
-                  "how near to the pose's position and orientation; of pi or more radians any orientation will do",
-                  false, "{0.001, 0.01}"},
-                 {"world", "trellis.World", "a world of space",
-                  "whose obstacles the robot must not touch; none: no obstacles"},
-                 {"seed", "integer|number[]|table<string, number>|string",
-                  "a configuration, or a whole number of at least 0",
-                  "a configuration: the first attempt starts there, and the solutions nearest to it come first; a "
-                  "number: that of the random starts",
-                  false, "0"},
-                 {"count", "integer", "a whole number from 1 to 1000", "at most so many configurations", false, "10"}},
+      .fields = ik_fields(),
       .options = {},
       .returns = "number[][]"};
   return construct;

@@ -32,8 +32,7 @@ struct TimedRun {
 
 /// Returns the first solved run in the order of problems, strategies and seeds, with its times.
 /// \throws Error where no run is solved, and for a robot whose path has times of its own or is not one of joints: with
-/// a
-///     motion model, or a rotation in space
+///     a motion model, or a rotation in space
 TimedRun timed_run(const Experiment& experiment, const ExperimentResult& result, const TrajectorySettings& settings);
 
 /// The form of a file of a trajectory: trajectory_msgs/JointTrajectory of ROS in YAML, or a table.

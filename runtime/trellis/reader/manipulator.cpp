@@ -216,7 +216,8 @@ SphereModel::Pairs all_pairs(std::size_t links) {
 std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
   const double usual = covers.options.excess;
   const auto centimetres = [](double metres) { return fmt::format("{:.1f} cm", 100.0 * metres); };
-  std::vector<std::string> names, more;
+  std::vector<std::string> names;
+  std::vector<std::pair<double, std::string>> more;  // links whose balls protrude more than usual
   std::size_t balls = 0;
   double excess = 0.0;
   for (std::size_t l = 0; l < covers.links.size(); ++l) {
@@ -224,10 +225,11 @@ std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
     if (link.excess == 0.0) continue;
     names.push_back(tree.links()[l].name);
     balls += link.balls.size();
-    if (link.excess > usual)
-      more.push_back(fmt::format("of {} {}", names.back(), centimetres(link.excess)));
-    else
+    if (link.excess > usual) {
+      more.emplace_back(link.excess, names.back());
+    } else {
       excess = std::max(excess, link.excess);
+    }
   }
   if (names.empty()) return "";
   constexpr std::size_t most_named = 12;
@@ -237,8 +239,19 @@ std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
   std::string text = fmt::format("{} {} covered by {} balls", links, names.size() == 1 ? "is" : "are", balls);
   if (names.size() > more.size()) text += fmt::format(" that protrude at most {}", centimetres(excess));
   if (more.empty()) return text;
+  // Those that protrude most.
+  constexpr std::size_t most_excesses = 5;
+  std::stable_sort(more.begin(), more.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < std::min(more.size(), most_excesses); ++i) {
+    parts.push_back(fmt::format("of {} {}", more[i].second, centimetres(more[i].first)));
+  }
+  if (more.size() > most_excesses) {
+    parts.push_back(
+        fmt::format("of {} more at most {}", more.size() - most_excesses, centimetres(more[most_excesses].first)));
+  }
   return fmt::format("{}{}{}", text, names.size() > more.size() ? "; those " : " that protrude: those ",
-                     fmt::join(more, ", "));
+                     fmt::join(parts, ", "));
 }
 
 }  // namespace

@@ -118,9 +118,9 @@ struct ManipulatorFiles {
 /// states are those of the SRDF file that give a value for each joint that moves, and those of the base are 0; of
 /// states with one name that of the group, else the first of a group of the same joints, else the first. Links that
 /// touch in nearly every configuration may touch, by a warning that names them, with a SRDF file and without one. Balls
-/// that cover links are kept in the folder of the user's covers. \param warnings  receives those of the files, and how
-/// far the balls of links protrude \throws Error with file and line; or with the nearest name where a group or a joint
-/// does not exist
+/// that cover links are kept in the folder of the user's covers.
+/// \param warnings  receives those of the files, and how far the balls of links protrude
+/// \throws Error with file and line; or with the nearest name where a group or a joint does not exist
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings);
 
 /// A planning problem of MoveIt, as MotionBenchMaker writes it: a scene and a request.

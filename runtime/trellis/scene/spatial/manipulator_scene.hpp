@@ -128,7 +128,8 @@ class SphereModel {
   [[nodiscard]] SphereModel with_permissions(const Pairs& may_touch, const Pairs& checked) const;
   /// Returns the robot that keeps a distance from obstacles, as MoveIt's link_scale and link_padding have it: each
   /// shape of a link is scaled about its origin, then grown. The links themselves are not, for self-collision: a grown
-  /// copy is fixed to each, named "LINK (padded)", which may touch all links. \param scale    for each link, at least 1
+  /// copy is fixed to each, named "LINK (padded)", which may touch all links.
+  /// \param scale    for each link, at least 1
   /// \param padding  for each link, metres, at least 0
   [[nodiscard]] SphereModel padded(const std::vector<double>& scale, const std::vector<double>& padding) const;
   /// Returns the robot with a shape that one of its links carries.

@@ -41,23 +41,12 @@ struct MedialCover {
 /// 4000th of the area, so that the time is bounded.
 ///
 /// The result depends on the arguments alone: it uses no random numbers, and no functions whose rounding differs
-/// between machines. \param solids  of one link, in its frame; no clouds of points
+/// between machines.
+/// \param solids   of one link, in its frame; no clouds of points
+/// \param options  how far the balls may protrude, and how many there are
 MedialCover medial_cover(std::span<const Solid> solids, const CoverOptions& options = {});
 
 /// Raise it where `medial_cover` returns other balls than before: stored covers are made anew then.
 constexpr int medial_cover_version = 1;
-
-/// A ball that contains consecutive balls of a list.
-struct CoarseBall {
-  Vec3 centre;
-  double radius = 0.0;
-  std::uint32_t first = 0;  ///< of the balls that it contains
-  std::uint32_t count = 0;
-};
-
-/// Groups balls, and orders them such that those of a group follow each other.
-/// \param slack  by which a coarse ball may exceed the ball in its middle, in metres
-/// \return balls that contain the groups
-std::vector<CoarseBall> group_balls(std::vector<BodySphere>& balls, double slack = 0.02);
 
 }  // namespace trellis
