@@ -164,7 +164,7 @@ struct PlacedBody {
   }
 
  private:
-  V3 place(unsigned ball) {
+  V3 place(unsigned ball) const {
     const Ball& of = body.balls[ball];
     const V3 c = at(frame, of.x, of.y, of.z);
     store(centres + 3UL * ball, c);
