@@ -213,8 +213,7 @@ class CheckedProblem {
   /// Why a configuration is not valid; "" where it is.
   [[nodiscard]] std::string fault(const Configuration& q) {
     if (valid(q)) return "";
-    const auto checker = trellis::make_checker(problem_.collision, problem_.scene, problem_.space, problem_.resolution);
-    return trellis::fault_of(problem_, q, *checker);
+    return trellis::EndChecker(problem_).fault(q).text;
   }
   /// \throws Error for a robot that is not one of a URDF file
   [[nodiscard]] const trellis::SphereModel& arm(const char* what) const {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <dsl/language/core/construct.hpp>
@@ -15,7 +16,9 @@
 #include <dsl/language/words/manipulator.hpp>
 #include <dsl/lua/mistakes.hpp>
 #include <trellis/instance/end_fault.hpp>
+#include <trellis/instance/link_shapes.hpp>
 #include <trellis/motion/team_model.hpp>
+#include <trellis/reader/cover_cache.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
 namespace trellis::dsl {
@@ -425,6 +428,15 @@ std::vector<Configuration> read_goals(Value value, const Problem& problem, std::
     warnings.push_back(fmt::format("problem '{}': {}; it is left out", problem.name, failure));
   }
   return goals;
+}
+
+void fit_covers_to_ends(Problem& problem, std::vector<std::string>& warnings) {
+  const CoverCache cache(user_cover_folder());
+  for (std::string& text : fit_covers(problem, [&](std::span<const Solid> solids, const CoverOptions&options) {
+         return cache.cover(solids, options);
+       })) {
+    warnings.push_back(std::move(text));
+  }
 }
 
 std::string radians_sentence(double degrees) {

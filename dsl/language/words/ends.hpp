@@ -33,6 +33,10 @@ Configuration read_start(lua::Value value, const Problem& problem);
 /// \throws Error; InvalidEnd where inverse kinematics finds none for any goal
 std::vector<Configuration> read_goals(lua::Value value, const Problem& problem, std::vector<std::string>& warnings);
 
+/// Covers links with finer balls where the start or a goal needs it (trellis::fit_covers).
+/// \param warnings  receives which links
+void fit_covers_to_ends(Problem& problem, std::vector<std::string>& warnings);
+
 /// Returns "; angles are radians: write math.rad(90)" where a joint's angle in one of the configurations is out of its
 /// bounds by more than a full turn, else "".
 std::string degrees_hint(const Problem& problem, const std::vector<Configuration>& ends);

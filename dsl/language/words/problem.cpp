@@ -233,6 +233,7 @@ int make_problem(Stack& call, std::vector<std::string>& warnings) {
   }
   faults.raise();
   if (invalid) throw lua::DeniedError(valid_member, invalid->what());
+  fit_covers_to_ends(problem, warnings);
   try {
     check(problem);
   } catch (const Error& error) {
@@ -671,6 +672,9 @@ lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::s
       problem.collision = backend_of(*problem.scene, settings.collision);
       problem.contact_tolerance = settings.contact_tolerance;
       resolve_goal(problem);
+      std::vector<std::string> fitted;
+      fit_covers_to_ends(problem, fitted);
+      for (const std::string& warning : fitted) warnings->add(file, warning);
       call.push_object(std::move(problem));
       call.append(list);
     }

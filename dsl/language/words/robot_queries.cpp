@@ -17,7 +17,6 @@
 #include <dsl/language/words/scene_values.hpp>
 #include <dsl/language/words/spatial_world.hpp>
 #include <dsl/lua/state.hpp>
-#include <trellis/collision/checker.hpp>
 #include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/resolve_goal.hpp>
 
@@ -34,11 +33,10 @@ class RobotChecks {
     std::unique_ptr<lua::Reference> world;
     const void* robot_identity = nullptr;
     const void* world_identity = nullptr;
-    Problem problem;
-    std::unique_ptr<Checker> checker;
+    std::unique_ptr<EndChecker> checker;
   };
 
-  const Entry& of(const Stack& stack, Value robot, Value world) {
+  Entry& of(const Stack& stack, Value robot, Value world) {
     const void* robot_identity = robot.identity();
     const void* world_identity = world.given() ? world.identity() : nullptr;
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
@@ -47,9 +45,7 @@ class RobotChecks {
       return entries_.front();
     }
     Entry made;
-    made.problem = problem_of(robot, world, "valid");
-    made.checker =
-        make_checker(made.problem.collision, made.problem.scene, made.problem.space, made.problem.resolution);
+    made.checker = std::make_unique<EndChecker>(problem_of(robot, world, "valid"));
     made.robot = std::make_unique<lua::Reference>(stack, robot);
     if (world_identity != nullptr) made.world = std::make_unique<lua::Reference>(stack, world);
     made.robot_identity = robot_identity;
@@ -105,12 +101,13 @@ void push_valid(Stack& stack, const std::shared_ptr<RobotChecks>& checks) {
       throw Error(fmt::format("valid takes a configuration, and a world: robot:valid(q, world); got {} values",
                               call.count() - 1));
     }
-    const RobotChecks::Entry& entry = checks->of(call, call[1], call[3]);
-    const Configuration q = read_place(call[2], "valid: the configuration", entry.problem);
-    const std::string fault = fault_of(entry.problem, q, *entry.checker);
-    call.push(fault.empty());
-    if (fault.empty()) return 1;
-    call.push(fault + degrees_hint(entry.problem, {q}));
+    EndChecker& checker = *checks->of(call, call[1], call[3]).checker;
+    const Configuration q = read_place(call[2], "valid: the configuration", checker.problem());
+    const EndFault fault = checker.fault(q);
+    const bool valid = fault.text.empty() || fault.fits;
+    call.push(valid);
+    if (valid) return 1;
+    call.push(fault.text + degrees_hint(checker.problem(), {q}));
     return 2;
   });
 }
@@ -121,7 +118,8 @@ Field valid_member_of(const std::string& type) {
               "fun(self: {}, q: number[]|table<string, number>|string, world?: trellis.World): boolean, string?", type),
           "",
           "whether a configuration is within the joints' limits and touches neither the world nor itself, and else why "
-          "not: robot:valid({0, 0.3, 1}, world). Robots that are fixed to their base need no world"};
+          "not: robot:valid({0, 0.3, 1}, world). The shapes of a manipulator's links decide, not the balls that cover "
+          "them, as for start and goal of a problem. Robots that are fixed to their base need no world"};
 }
 
 namespace {

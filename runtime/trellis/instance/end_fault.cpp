@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace trellis {
@@ -27,20 +29,51 @@ std::string out_of_bounds(const Space& space, View q) {
   return "";
 }
 
-std::string fault_of(const Problem& problem, View q, const Checker& checker) {
-  const auto finite = [](double x) { return std::isfinite(x); };
-  if (!std::all_of(q.begin(), q.end(), finite)) return "a coordinate is no finite number";
-  if (std::string outside = out_of_bounds(problem.space, q); !outside.empty()) return outside;
-  if (problem.motion_model && !problem.motion_model->admits(q)) {
-    return fmt::format("it is out of the limits of {}", problem.motion_model->text());
+ShapeContact shape_contact(const std::shared_ptr<const Scene>& scene, View q, const Contact& contact,
+                           std::optional<ShapeChecker>& shapes) {
+  const ManipulatorScene* arm = scene->manipulator();
+  if (arm == nullptr || arm->robot.exact()) return {contact, "", false};
+  if (!shapes) shapes.emplace(scene);
+  const ShapeReport report = shapes->at(q);
+  if (report.contact) return {*report.contact, "", false};
+  const std::vector<Link>& links = arm->robot.robot().tree().links();
+  ShapeContact found{contact, "", true};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    least = std::min(least, report.room[l]);
+    found.fits = found.fits && report.room[l] > finest_excess(links[l]);
   }
-  const auto contact = checker.contact(q);
-  if (!contact) return "";
-  const Scene& scene = *problem.scene;
-  const std::string body = scene.body_name(contact->body);
-  if (contact->other) return fmt::format("{} meets {}", body, scene.body_name(*contact->other));
-  return fmt::format("{} is in collision with {}", scene.body_count() > 1 ? body : "the robot",
-                     describe(*contact, scene));
+  constexpr double in_cm = 100.0;
+  found.hint = found.fits ? " by its covers alone: its shapes touch nothing"
+                          : fmt::format(
+                                " by its covers alone: its shapes come as near as {:.2g} cm, and touch nothing, but "
+                                "no cover decides that",
+                                in_cm * least);
+  return found;
+}
+
+EndChecker::EndChecker(Problem problem)
+    : problem_(std::move(problem)),
+      checker_(make_checker(problem_.collision, problem_.scene, problem_.space, problem_.resolution)) {}
+
+EndFault EndChecker::fault(View q) {
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(q.begin(), q.end(), finite)) return {"a coordinate is no finite number"};
+  if (std::string outside = out_of_bounds(problem_.space, q); !outside.empty()) return {std::move(outside)};
+  if (problem_.motion_model && !problem_.motion_model->admits(q)) {
+    return {fmt::format("it is out of the limits of {}", problem_.motion_model->text())};
+  }
+  const auto contact = checker_->contact(q);
+  if (!contact) return {};
+  const Scene& scene = *problem_.scene;
+  const ShapeContact found = shape_contact(problem_.scene, q, *contact, shapes_);
+  const std::string body = scene.body_name(found.contact.body);
+  if (found.contact.other) {
+    return {fmt::format("{} meets {}{}", body, scene.body_name(*found.contact.other), found.hint), found.fits};
+  }
+  return {fmt::format("{} is in collision with {}{}", scene.body_count() > 1 ? body : "the robot",
+                      describe(found.contact, scene), found.hint),
+          found.fits};
 }
 
 }  // namespace trellis

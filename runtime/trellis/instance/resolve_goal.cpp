@@ -126,15 +126,21 @@ class LinkSolver {
 
 ReachAnswer reach_configurations(const Problem& problem, const ReachQuery& query) {
   constexpr int tries = 2000;
-  constexpr double distinct = 0.05;  // metres in the metric between two configurations
+  constexpr double distinct = 0.05;            // metres in the metric between two configurations
+  constexpr std::size_t most_in_contact = 50;  // solutions whose shapes are compared
   const SphereModel& robot = problem.scene->manipulator()->robot;
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
   LinkSolver solver(robot, problem.space, query.targets);
   Stream stream(query.seed, problem.name, query.name);
-  std::vector<std::pair<double, Configuration>> found;  // with the distance from the first
+  using Found = std::vector<std::pair<double, Configuration>>;  // with the distance from the first
+  Found found, in_contact;
   Configuration q(problem.space.dimension());
   std::size_t reached = 0;
-  std::string fault;
+  const auto keep = [&](Found& list) {
+    const bool known = std::any_of(list.begin(), list.end(),
+                                   [&](const auto& one) { return problem.space.distance(one.second, q) < distinct; });
+    if (!known) list.emplace_back(query.first.empty() ? 0.0 : problem.space.distance(query.first, q), q);
+  };
   for (int i = 0; i < tries && found.size() < 2 * query.most; ++i) {
     if (i == 0 && !query.first.empty()) {
       q = query.first;
@@ -146,13 +152,20 @@ ReachAnswer reach_configurations(const Problem& problem, const ReachQuery& query
     }
     if (!solver.bring(q)) continue;
     ++reached;
-    if (!checker->valid(q)) {
-      if (fault.empty()) fault = fault_of(problem, q, *checker);
-      continue;
+    if (checker->valid(q)) {
+      keep(found);
+    } else if (in_contact.size() < most_in_contact) {
+      keep(in_contact);
     }
-    const bool known = std::any_of(found.begin(), found.end(),
-                                   [&](const auto& one) { return problem.space.distance(one.second, q) < distinct; });
-    if (!known) found.emplace_back(query.first.empty() ? 0.0 : problem.space.distance(query.first, q), q);
+  }
+  std::string fault;
+  if (found.empty()) {
+    EndChecker ends(problem);
+    for (const auto& one : in_contact) {
+      const EndFault of_end = ends.fault(one.second);
+      if (fault.empty()) fault = of_end.text;
+      if (of_end.fits) found.push_back(one);
+    }
   }
   ReachAnswer answer;
   if (found.empty()) {

@@ -45,7 +45,8 @@ struct ReachAnswer {
 };
 
 /// Finds valid configurations of a manipulator whose links are at their targets, by inverse kinematics from `first` and
-/// from random starts. Deterministic.
+/// from random starts. Where balls that cover the links touch something in all of them, the shapes decide (EndChecker).
+/// Deterministic.
 /// \param problem  its scene is one of a manipulator; its start and goals are not used
 ReachAnswer reach_configurations(const Problem& problem, const ReachQuery& query);
 

@@ -76,6 +76,7 @@ std::string key_of(std::span<const Solid> solids, const CoverOptions& options) {
   put(bytes, options.excess);
   put(bytes, options.most_excess);
   put(bytes, std::uint64_t{options.most_balls});
+  put(bytes, options.work);
   for (const Solid& solid : solids) {
     put(bytes, std::uint64_t{solid.shape.index()});
     put(bytes, solid.pose.position);

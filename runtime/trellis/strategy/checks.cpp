@@ -113,8 +113,11 @@ void check(const Problem& problem) {
                                    fmt::join(q, ", "), problem.motion_model->text()));
     }
     if (const auto contact = checker->contact(q)) {
-      throw InvalidEnd(fmt::format("problem '{}': {} ({:g}){}; {}", problem.name, what, fmt::join(q, ", "),
-                                   collision_text(*contact, *problem.scene), nearest(problem, q, *checker)));
+      std::optional<ShapeChecker> shapes;
+      const ShapeContact found = shape_contact(problem.scene, q, *contact, shapes);
+      throw InvalidEnd(fmt::format("problem '{}': {} ({:g}){}{}; {}", problem.name, what, fmt::join(q, ", "),
+                                   collision_text(found.contact, *problem.scene), found.hint,
+                                   nearest(problem, q, *checker)));
     }
   }
 }

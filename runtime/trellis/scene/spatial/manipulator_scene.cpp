@@ -18,24 +18,6 @@ namespace trellis {
 
 namespace {
 
-/// A ball that contains some balls: about the middle of their box.
-BodySphere enclosing(const std::vector<BodySphere>& balls) {
-  Vec3 lo = balls.front().centre;
-  Vec3 hi = lo;
-  for (const BodySphere& ball : balls) {
-    const Vec3 r{ball.radius, ball.radius, ball.radius};
-    const Vec3 a = ball.centre - r;
-    const Vec3 b = ball.centre + r;
-    lo = {std::min(lo.x, a.x), std::min(lo.y, a.y), std::min(lo.z, a.z)};
-    hi = {std::max(hi.x, b.x), std::max(hi.y, b.y), std::max(hi.z, b.z)};
-  }
-  BodySphere all{0.5 * (lo + hi), 0.0};
-  for (const BodySphere& ball : balls) {
-    all.radius = std::max(all.radius, norm(ball.centre - all.centre) + ball.radius);
-  }
-  return all;
-}
-
 /// The distance of balls from others, of which each first one contains the others; `enough` where it is not less.
 double gap_between(const std::vector<BodySphere>& first, const std::vector<BodySphere>& second, double enough) {
   const auto gap = [](const BodySphere& a, const BodySphere& b) {
@@ -84,6 +66,23 @@ Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 }
 
 }  // namespace
+
+BodySphere enclosing(const std::vector<BodySphere>& balls) {
+  Vec3 lo = balls.front().centre;
+  Vec3 hi = lo;
+  for (const BodySphere& ball : balls) {
+    const Vec3 r{ball.radius, ball.radius, ball.radius};
+    const Vec3 a = ball.centre - r;
+    const Vec3 b = ball.centre + r;
+    lo = {std::min(lo.x, a.x), std::min(lo.y, a.y), std::min(lo.z, a.z)};
+    hi = {std::max(hi.x, b.x), std::max(hi.y, b.y), std::max(hi.z, b.z)};
+  }
+  BodySphere all{0.5 * (lo + hi), 0.0};
+  for (const BodySphere& ball : balls) {
+    all.radius = std::max(all.radius, norm(ball.centre - all.centre) + ball.radius);
+  }
+  return all;
+}
 
 LinkCovers link_covers(const KinematicTree& tree, const CoverOptions& options) {
   LinkCovers covers{options, {}};
@@ -477,6 +476,15 @@ SphereModel SphereModel::with_world_frame(std::string name) const {
 
 SphereModel SphereModel::with_values(const std::vector<std::vector<double>>& values) const {
   SphereModel with(covers_, Manipulator(robot_.tree(), robot_.moving(), values), {});
+  with.permit(Pairs(may_touch_));
+  with.keep(*this);
+  return with;
+}
+
+SphereModel SphereModel::with_covers(const std::map<std::size_t, MedialCover>& covers) const {
+  LinkCovers all = *covers_;
+  for (const auto& [link, cover] : covers) all.links[link] = cover;
+  SphereModel with(std::make_shared<const LinkCovers>(std::move(all)), robot_, {});
   with.permit(Pairs(may_touch_));
   with.keep(*this);
   return with;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,10 @@ struct PointOnBody {
   std::size_t body = 0;
   Vec3 point = {};  ///< in the body's frame
 };
+
+/// Returns a ball that contains some balls: about the middle of their box.
+/// \param balls  at least one
+BodySphere enclosing(const std::vector<BodySphere>& balls);
 
 /// The collision geometry of a robot's links as balls.
 struct LinkCovers {
@@ -124,6 +129,8 @@ class SphereModel {
   /// Returns the robot with pairs of links that may touch whatever `with_permissions` says, as neighbours may: pairs
   /// that touch in nearly every configuration. The lesser one first.
   [[nodiscard]] SphereModel with_touching(const Pairs& touching) const;
+  /// Returns the robot of which some links have other covers.
+  [[nodiscard]] SphereModel with_covers(const std::map<std::size_t, MedialCover>& covers) const;
   /// Returns the robot with other pairs of links that may touch. Both lists have the lesser link first.
   [[nodiscard]] SphereModel with_permissions(const Pairs& may_touch, const Pairs& checked) const;
   /// Returns the robot that keeps a distance from obstacles, as MoveIt's link_scale and link_padding have it: each

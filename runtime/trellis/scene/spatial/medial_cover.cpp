@@ -41,7 +41,7 @@ constexpr double least_step = 0.4, most_step = 1.1;
 constexpr double fine_step = 0.57;
 /// The number of cells beyond which the grid has a step of more than `least_step`, and of more than `most_step`.
 constexpr double some_cells = 8'000.0, most_cells = 2'000'000.0;
-/// The area of a link in units of the square of its excess is at most this.
+/// The area of a link in units of the square of its excess is at most this, times `work`.
 constexpr double most_area = 4'000.0;
 /// The number of points of a part beyond which those of its box replace them.
 constexpr std::size_t most_points = 16;
@@ -597,8 +597,8 @@ class LinkSurface {
   }
 
   /// The least excess at which the cover takes bounded time.
-  [[nodiscard]] double least_excess() const {
-    return std::max(std::sqrt(area_ / most_area), cube_root(volume_ / most_cells) / most_step);
+  [[nodiscard]] double least_excess(double work) const {
+    return std::max(std::sqrt(area_ / (work * most_area)), cube_root(volume_ / most_cells) / most_step);
   }
 
   /// A cover, or none where more balls would be needed than allowed.
@@ -839,23 +839,35 @@ void add_capsule(const Capsule& capsule, const Pose3& pose, double excess, Media
   cover.excess = std::max(cover.excess, needed - capsule.radius);
 }
 
+/// The solids that are no spheres or capsules.
+std::vector<Region> regions_of(std::span<const Solid> solids) {
+  std::vector<Region> regions;
+  for (const Solid& solid : solids) {
+    if (std::holds_alternative<Sphere>(solid.shape) || std::holds_alternative<Capsule>(solid.shape)) continue;
+    regions.emplace_back(solid);
+  }
+  return regions;
+}
+
 }  // namespace
+
+double least_cover_excess(std::span<const Solid> solids, const CoverOptions& options) {
+  std::vector<Region> regions = regions_of(solids);
+  return regions.empty() ? 0.0 : LinkSurface(std::move(regions)).least_excess(options.work);
+}
 
 MedialCover medial_cover(std::span<const Solid> solids, const CoverOptions& options) {
   MedialCover cover;
-  std::vector<Region> regions;
   for (const Solid& solid : solids) {
     if (const auto* sphere = std::get_if<Sphere>(&solid.shape)) {
       cover.balls.push_back({solid.pose.position, sphere->radius});
     } else if (const auto* capsule = std::get_if<Capsule>(&solid.shape)) {
       add_capsule(*capsule, solid.pose, options.excess, cover);
-    } else {
-      regions.emplace_back(solid);
     }
   }
-  if (!regions.empty()) {
+  if (std::vector<Region> regions = regions_of(solids); !regions.empty()) {
     const LinkSurface link(std::move(regions));
-    double excess = std::max(options.excess, link.least_excess());
+    double excess = std::max(options.excess, link.least_excess(options.work));
     std::optional<MedialCover> rest;
     while (!rest) {
       const bool last = !(excess < options.most_excess);

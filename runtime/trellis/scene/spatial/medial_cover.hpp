@@ -18,6 +18,7 @@ struct CoverOptions {
   double excess = 0.008;         ///< how far the balls may protrude beyond the shapes, in metres
   double most_excess = 0.03;     ///< how far they may where more than `most_balls` would be needed otherwise
   std::size_t most_balls = 200;  ///< of a link
+  double work = 1.0;             ///< how many times as long as usual the cover of a large link may take
   friend bool operator==(const CoverOptions&, const CoverOptions&) = default;
 };
 
@@ -37,14 +38,18 @@ struct MedialCover {
 /// along all six directions of the axes.
 ///
 /// The balls protrude at most `options.excess` beyond the solids. Where a link needs more than `options.most_balls` the
-/// excess grows, at most to `options.most_excess`. For very large links, it grows further: to the square root of a
-/// 4000th of the area, so that the time is bounded.
+/// excess grows, at most to `options.most_excess`. For very large links, it grows further: to `least_cover_excess`, so
+/// that the time is bounded.
 ///
 /// The result depends on the arguments alone: it uses no random numbers, and no functions whose rounding differs
 /// between machines.
 /// \param solids   of one link, in its frame; no clouds of points
 /// \param options  how far the balls may protrude, and how many there are
 MedialCover medial_cover(std::span<const Solid> solids, const CoverOptions& options = {});
+
+/// Returns the least excess that `medial_cover` gives solids which are not spheres and capsules, in metres: the square
+/// root of a 4000th of their area with `work` = 1. 0 of others.
+double least_cover_excess(std::span<const Solid> solids, const CoverOptions& options = {});
 
 /// Raise it where `medial_cover` returns other balls than before: stored covers are made anew then.
 constexpr int medial_cover_version = 1;
