@@ -186,8 +186,9 @@ TEST_CASE("the shapes of links decide as a second implementation does", "[robot]
       if (report.contact) {
         CHECK(report.contact->obstacle.has_value() == (gaps.world < 0.0));
       } else {
-        // No cover is left more room than there is, nor less than half of it.
-        for (const double room : report.room) CHECK((std::isinf(room) || room >= 0.49 * least));
+        // The share of a cover differs from half of a distance by at most what a large box needs more than a small one.
+        constexpr double coarsest = 0.003;
+        for (const double room : report.room) CHECK((std::isinf(room) || room >= 0.49 * least - coarsest));
       }
     }
   }

@@ -36,13 +36,8 @@ ShapeContact shape_contact(const std::shared_ptr<const Scene>& scene, View q, co
   if (!shapes) shapes.emplace(scene);
   const ShapeReport report = shapes->at(q);
   if (report.contact) return {*report.contact, "", false};
-  const std::vector<Link>& links = arm->robot.robot().tree().links();
-  ShapeContact found{contact, "", true};
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    least = std::min(least, report.room[l]);
-    found.fits = found.fits && report.room[l] > finest_excess(links[l]);
-  }
+  ShapeContact found{contact, "", shapes->fits(report)};
+  const double least = *std::min_element(report.room.begin(), report.room.end());
   constexpr double in_cm = 100.0;
   found.hint = found.fits ? " by its covers alone: its shapes touch nothing"
                           : fmt::format(
@@ -68,8 +63,11 @@ EndFault EndChecker::fault(View q) {
   const Scene& scene = *problem_.scene;
   const ShapeContact found = shape_contact(problem_.scene, q, *contact, shapes_);
   const std::string body = scene.body_name(found.contact.body);
-  if (found.contact.other) {
-    return {fmt::format("{} meets {}{}", body, scene.body_name(*found.contact.other), found.hint), found.fits};
+  if (const auto other = found.contact.other) {
+    const auto named = [](const std::string& link, std::string own) { return link.empty() ? std::move(own) : link; };
+    return {fmt::format("{} meets {}{}", named(found.contact.link, body),
+                        named(found.contact.other_link, scene.body_name(*other)), found.hint),
+            found.fits};
   }
   return {fmt::format("{} is in collision with {}{}", scene.body_count() > 1 ? body : "the robot",
                       describe(found.contact, scene), found.hint),

@@ -25,15 +25,6 @@ CoverOptions fit_options(double excess) {
   return {excess, excess, std::numeric_limits<std::size_t>::max(), work};
 }
 
-/// Whether covers exist that touch nothing where a report was made.
-bool fits(const ShapeReport& report, const std::vector<Link>& links) {
-  if (report.contact) return false;
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    if (!std::isinf(report.room[l]) && report.room[l] <= finest_excess(links[l])) return false;
-  }
-  return true;
-}
-
 std::vector<Pose3> link_poses(const SphereModel& model, View q) {
   const Manipulator& robot = model.robot();
   std::vector<Pose3> bodies(robot.bodies().size(), model.base());
@@ -77,6 +68,7 @@ ShapeChecker::ShapeChecker(std::shared_ptr<const Scene> scene) : scene_(std::mov
   for (const MedialCover& cover : scene_->manipulator()->robot.covers().links) {
     wholes_.push_back(cover.balls.empty() ? BodySphere{} : enclosing(cover.balls));
   }
+  finest_.assign(wholes_.size(), std::numeric_limits<double>::quiet_NaN());
 }
 ShapeChecker::~ShapeChecker() = default;
 ShapeChecker::ShapeChecker(ShapeChecker&&) noexcept = default;
@@ -102,6 +94,32 @@ ShapeChecker::Distance& ShapeChecker::of_links(std::size_t first, std::size_t se
   return *known;
 }
 
+double ShapeChecker::distance(std::size_t first, std::size_t second, const Pose3& place) {
+  return of_links(first, second).at(place).distance;
+}
+
+double ShapeChecker::finest(std::size_t link) {
+  double& known = finest_[link];
+  if (std::isnan(known)) {
+    const SphereModel& robot = scene_->manipulator()->robot;
+    known = protrudes(robot.covers().links[link]) ? finest_excess(robot.robot().tree().links()[link]) : 0.0;
+  }
+  return known;
+}
+
+bool ShapeChecker::fits(const ShapeReport& report) {
+  if (report.contact) return false;
+  for (std::size_t l = 0; l < report.room.size(); ++l) {
+    if (!std::isinf(report.room[l]) && report.room[l] <= finest(l)) return false;
+  }
+  return true;
+}
+
+std::pair<double, double> ShapeChecker::divide(double distance, std::size_t first, std::size_t second) {
+  const double rest = 0.5 * (distance - finest(first) - finest(second));
+  return {finest(first) + rest, finest(second) + rest};
+}
+
 ShapeReport ShapeChecker::at(View q) {
   const ManipulatorScene& scene = *scene_->manipulator();
   const SphereModel& model = scene.robot;
@@ -124,15 +142,15 @@ ShapeReport ShapeChecker::at(View q) {
       if (covers[b].balls.empty() || !model.checked(a, b)) continue;
       const double apart = norm(poses[a](wholes_[a].centre) - poses[b](wholes_[b].centre));
       if (apart > wholes_[a].radius + wholes_[b].radius) continue;
-      const double distance = of_links(a, b).at(poses[a].inverse() * poses[b]).distance;
+      const double distance = this->distance(a, b, poses[a].inverse() * poses[b]);
       if (!(distance > 0.0)) {
         report.contact =
             Contact{model.robot().body_of(a), std::nullopt, model.robot().body_of(b), links[a].name, links[b].name};
         return report;
       }
       if (distance > covers[a].excess + covers[b].excess) continue;
-      const double share = protrudes(covers[a]) && protrudes(covers[b]) ? 0.5 * distance : distance;
-      for (const std::size_t link : {a, b}) {
+      const auto [of_a, of_b] = divide(distance, a, b);
+      for (const auto& [link, share] : {std::pair(a, of_a), std::pair(b, of_b)}) {
         if (protrudes(covers[link])) report.room[link] = std::min(report.room[link], share);
       }
     }
@@ -144,6 +162,18 @@ double finest_excess(const Link& link) {
   constexpr double finest = 1e-3;
   return std::max(finest, least_cover_excess(link.solids, fit_options(finest)));
 }
+
+namespace {
+
+/// A cover that protrudes by less than `most`.
+/// \param usual  the excess of the robot's covers, of which this one has a half, a quarter, ...
+MedialCover finer_cover(const Link& link, double most, double usual, const CoverMaker& cover) {
+  double excess = 0.5 * usual;
+  while (excess >= most) excess *= 0.5;
+  return cover(link.solids, fit_options(std::max(excess, finest_excess(link))));
+}
+
+}  // namespace
 
 std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
   const ManipulatorScene* scene = problem.scene ? problem.scene->manipulator() : nullptr;
@@ -163,7 +193,7 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
     for (const View q : ends) {
       if (checker->valid(q)) continue;
       const ShapeReport report = shapes.at(q);
-      if (!fits(report, links)) continue;
+      if (!shapes.fits(report)) continue;
       for (std::size_t l = 0; l < links.size(); ++l) {
         if (std::isinf(report.room[l])) continue;
         const auto [known, first] = room.emplace(l, report.room[l]);
@@ -171,9 +201,7 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
       }
     }
     for (const auto& [link, most] : room) {
-      double excess = 0.5 * scene->robot.covers().options.excess;
-      while (excess >= most) excess *= 0.5;
-      finer[link] = cover(links[link].solids, fit_options(std::max(excess, finest_excess(links[link]))));
+      finer[link] = finer_cover(links[link], most, scene->robot.covers().options.excess, cover);
       changed = true;
     }
     if (changed) fitted = std::make_shared<const ManipulatorScene>(scene->world, scene->robot.with_covers(finer));
@@ -191,6 +219,48 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
       fmt::format("problem '{}': start or goal is so near to something that balls touch where the robot's shapes do "
                   "not: {}",
                   problem.name, fmt::join(texts, "; "))};
+}
+
+SphereModel fit_standing_covers(const SphereModel& robot, const CoverMaker& cover,
+                                std::vector<StandingContact>& contacts) {
+  const std::vector<Link>& links = robot.robot().tree().links();
+  const auto scene = std::make_shared<const ManipulatorScene>(World3(), robot);
+  ShapeChecker shapes(scene);
+  const std::vector<MedialCover>& covers = robot.covers().links;
+  const auto in_contact = [&](std::size_t a, std::size_t b) {
+    if (covers[a].balls.empty() || covers[b].balls.empty()) return false;
+    if (robot.robot().body_of(a) != robot.robot().body_of(b) || !robot.checked(a, b)) return false;
+    const Pose3 place = robot.robot().pose_in_body(a).inverse() * robot.robot().pose_in_body(b);
+    return std::any_of(covers[b].balls.begin(), covers[b].balls.end(), [&](const BodySphere& ball) {
+      const Vec3 centre = place(ball.centre);
+      return std::any_of(covers[a].balls.begin(), covers[a].balls.end(), [&](const BodySphere& other) {
+        return norm(centre - other.centre) <= ball.radius + other.radius;
+      });
+    });
+  };
+  std::map<std::size_t, double> room;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      if (!in_contact(a, b)) continue;
+      const double distance =
+          shapes.distance(a, b, robot.robot().pose_in_body(a).inverse() * robot.robot().pose_in_body(b));
+      const auto shares = shapes.divide(distance, a, b);
+      if (!(shares.first > shapes.finest(a) && distance > 0.0)) {
+        contacts.push_back({a, b, distance});
+        continue;
+      }
+      for (const auto& [link, share] : {std::pair(a, shares.first), std::pair(b, shares.second)}) {
+        if (!protrudes(covers[link]) || covers[link].excess < share) continue;
+        const auto [known, first] = room.emplace(link, share);
+        known->second = std::min(known->second, share);
+      }
+    }
+  }
+  std::map<std::size_t, MedialCover> finer;
+  for (const auto& [link, most] : room) {
+    finer[link] = finer_cover(links[link], most, robot.covers().options.excess, cover);
+  }
+  return finer.empty() ? robot : robot.with_covers(finer);
 }
 
 }  // namespace trellis

@@ -23,8 +23,8 @@ struct ShapeReport {
   /// The first contact in the order of links; none where the shapes touch nothing.
   std::optional<Contact> contact;
   /// For each link the excess of a cover below which its balls touch nothing, in metres: its distance from obstacles
-  /// and boundary, and half of that from another link, or all of it where the other one is made of spheres. Of
-  /// distances that the covers at hand decide, infinity.
+  /// and boundary, and its share of that from another link (ShapeChecker::divide). Of distances that the covers at hand
+  /// decide, infinity.
   std::vector<double> room;
 };
 
@@ -42,6 +42,15 @@ class ShapeChecker {
 
   /// \param q  finite coordinates
   [[nodiscard]] ShapeReport at(View q);
+  /// Returns the distance of two links, 0 in contact, in metres.
+  /// \param place  of the second one in the frame of the first
+  [[nodiscard]] double distance(std::size_t first, std::size_t second, const Pose3& place);
+  /// Whether covers exist that touch nothing where the report was made.
+  [[nodiscard]] bool fits(const ShapeReport& report);
+  /// The least excess of a cover of the link, as `finest_excess`; 0 where the link is made of spheres.
+  [[nodiscard]] double finest(std::size_t link);
+  /// Divides the distance of two links among their covers: each gets its least excess, and half of the rest.
+  [[nodiscard]] std::pair<double, double> divide(double distance, std::size_t first, std::size_t second);
 
  private:
   class Distance;
@@ -50,6 +59,7 @@ class ShapeChecker {
 
   std::shared_ptr<const Scene> scene_;
   std::vector<BodySphere> wholes_;  ///< for each link a ball that contains its cover
+  std::vector<double> finest_;      ///< for each link; NaN before it is needed
   std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<Distance>> known_;
 };
 
@@ -67,5 +77,18 @@ using CoverMaker = std::function<MedialCover(std::span<const Solid>, const Cover
 std::vector<std::string> fit_covers(
     Problem& problem,
     const CoverMaker& cover = [](auto solids, const auto& options) { return medial_cover(solids, options); });
+
+/// Two links that do not move against each other and are too near for covers.
+struct StandingContact {
+  std::size_t first = 0;
+  std::size_t second = 0;
+  double distance = 0.0;  ///< of their shapes, in metres; 0 in contact
+};
+
+/// Covers links of a robot with finer balls where balls of links touch that do not move against each other, and their
+/// shapes do not.
+/// \param contacts  receives the pairs that stay in contact: no configuration is valid with one
+SphereModel fit_standing_covers(const SphereModel& robot, const CoverMaker& cover,
+                                std::vector<StandingContact>& contacts);
 
 }  // namespace trellis

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <trellis/base/errors.hpp>
+#include <trellis/instance/link_shapes.hpp>
 #include <trellis/reader/cover_cache.hpp>
 #include <trellis/reader/robot_files.hpp>
 
@@ -212,6 +214,21 @@ SphereModel::Pairs all_pairs(std::size_t links) {
   return pairs;
 }
 
+/// Names the links that touch at all configurations.
+std::string standing_warning(const ManipulatorFiles& files, const KinematicTree& tree,
+                             const std::vector<StandingContact>& contacts) {
+  std::vector<std::string> pairs;
+  for (const StandingContact& one : contacts) {
+    pairs.push_back(fmt::format("'{}' meets '{}'", tree.links()[one.first].name, tree.links()[one.second].name));
+    constexpr double in_cm = 100.0;
+    if (one.distance > 0.0) pairs.back() += fmt::format(" (nearly: {:.2g} cm)", in_cm * one.distance);
+  }
+  return fmt::format(
+      "{}: {} at the values of the joints that do not move: no configuration is valid; values = {{ JOINT = VALUE }} "
+      "places these joints",
+      files.urdf, fmt::join(pairs, ", "));
+}
+
 /// Says how many balls cover the links that are not made of spheres, and how far they protrude.
 std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
   const double usual = covers.options.excess;
@@ -305,13 +322,11 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
   }
   may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   const SphereModel covered(robot, std::move(covers), std::move(may_touch));
-  SphereModel model = covered.with_touching(touching);
-  if (const auto standing = model.standing(); standing && standing->gap <= 0.0) {
-    warnings.push_back(
-        fmt::format("{}: '{}' meets '{}' at the values of the joints that do not move: no configuration "
-                    "is valid; values = {{ JOINT = VALUE }} places these joints",
-                    files.urdf, tree.links()[standing->first].name, tree.links()[standing->second].name));
-  }
+  std::vector<StandingContact> contacts;
+  const SphereModel model = fit_standing_covers(
+      covered.with_touching(touching),
+      [&](std::span<const Solid> solids, const CoverOptions& finer) { return cache.cover(solids, finer); }, contacts);
+  if (!contacts.empty()) warnings.push_back(standing_warning(files, tree, contacts));
   if (!srdf) return model;
   return model.with_states(states_of(*srdf, files.group, robot)).with_world_frame(srdf->world_frame);
 }
