@@ -261,6 +261,38 @@ TEST_CASE("links of one body that touch leave no valid configuration", "[collisi
   CHECK(warnings.empty());
 }
 
+TEST_CASE("links of one body whose covers touch are compared by their shapes", "[collision][robot]") {
+  // Boxes of link a and link c, whose sides are 4 mm from each other where k is at 0.
+  const std::string text = R"(<robot name="r">
+<link name="a"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<link name="b"/>
+<link name="c"><collision><origin xyz="0 0 0.104"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<link name="d"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint>
+<joint name="i" type="fixed"><parent link="b"/><child link="e"/></joint>
+<link name="e"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.01"/></geometry></collision></link>
+<joint name="k" type="prismatic"><parent link="e"/><child link="c"/><axis xyz="0 0 1"/><limit lower="-0.1" upper="1"/></joint>
+<joint name="l" type="prismatic"><parent link="c"/><child link="d"/><origin xyz="0.7 0 0"/><axis xyz="1 0 0"/><limit lower="0" upper="0.2"/></joint>
+</robot>)";
+  const test::Folder folder;
+  ManipulatorFiles files;
+  files.urdf = folder.write("r.urdf", text);
+  files.joints = {"l"};
+  const auto standing = [&](double k, bool of_covers) {
+    files.values = {{"k", k}};
+    std::vector<std::string> warnings;
+    const SphereModel robot = read_manipulator(files, warnings);
+    if (of_covers) return SphereModel(robot.robot(), robot.covers(), robot.may_touch()).standing()->gap;
+    CHECK(checker_of(robot)->valid(Configuration{0.1}) == (robot.standing()->gap > 0.0));
+    CHECK((!warnings.empty() && warnings.back().find("no configuration is valid") != std::string::npos) ==
+          (robot.standing()->gap <= 0.0));
+    return robot.standing()->gap;
+  };
+  CHECK(standing(0.0, true) < 0.0);
+  CHECK(standing(0.0, false) == Approx(0.004).epsilon(0.01));
+  CHECK(standing(-0.01, false) < 0.0);
+}
+
 TEST_CASE("a pair that touches at zero alone is checked", "[robot]") {
   const test::Folder folder;
   const std::string text = folding_arm(-0.5);

@@ -139,7 +139,7 @@ ShapeReport ShapeChecker::at(View q) {
   for (std::size_t a = 0; a < links.size(); ++a) {
     if (covers[a].balls.empty()) continue;
     for (std::size_t b = a + 1; b < links.size(); ++b) {
-      if (covers[b].balls.empty() || !model.checked(a, b)) continue;
+      if (covers[b].balls.empty() || !model.checked(a, b) || model.stands_apart(a, b)) continue;
       const double apart = norm(poses[a](wholes_[a].centre) - poses[b](wholes_[b].centre));
       if (apart > wholes_[a].radius + wholes_[b].radius) continue;
       const double distance = this->distance(a, b, poses[a].inverse() * poses[b]);
@@ -162,18 +162,6 @@ double finest_excess(const Link& link) {
   constexpr double finest = 1e-3;
   return std::max(finest, least_cover_excess(link.solids, fit_options(finest)));
 }
-
-namespace {
-
-/// A cover that protrudes by less than `most`.
-/// \param usual  the excess of the robot's covers, of which this one has a half, a quarter, ...
-MedialCover finer_cover(const Link& link, double most, double usual, const CoverMaker& cover) {
-  double excess = 0.5 * usual;
-  while (excess >= most) excess *= 0.5;
-  return cover(link.solids, fit_options(std::max(excess, finest_excess(link))));
-}
-
-}  // namespace
 
 std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
   const ManipulatorScene* scene = problem.scene ? problem.scene->manipulator() : nullptr;
@@ -201,7 +189,9 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
       }
     }
     for (const auto& [link, most] : room) {
-      finer[link] = finer_cover(links[link], most, scene->robot.covers().options.excess, cover);
+      double excess = 0.5 * scene->robot.covers().options.excess;
+      while (excess >= most) excess *= 0.5;
+      finer[link] = cover(links[link].solids, fit_options(std::max(excess, shapes.finest(link))));
       changed = true;
     }
     if (changed) fitted = std::make_shared<const ManipulatorScene>(scene->world, scene->robot.with_covers(finer));
@@ -221,46 +211,31 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
                   problem.name, fmt::join(texts, "; "))};
 }
 
-SphereModel fit_standing_covers(const SphereModel& robot, const CoverMaker& cover,
-                                std::vector<StandingContact>& contacts) {
+SphereModel with_standing_shapes(const SphereModel& robot, std::vector<StandingContact>& contacts) {
   const std::vector<Link>& links = robot.robot().tree().links();
-  const auto scene = std::make_shared<const ManipulatorScene>(World3(), robot);
-  ShapeChecker shapes(scene);
   const std::vector<MedialCover>& covers = robot.covers().links;
-  const auto in_contact = [&](std::size_t a, std::size_t b) {
-    if (covers[a].balls.empty() || covers[b].balls.empty()) return false;
-    if (robot.robot().body_of(a) != robot.robot().body_of(b) || !robot.checked(a, b)) return false;
-    const Pose3 place = robot.robot().pose_in_body(a).inverse() * robot.robot().pose_in_body(b);
-    return std::any_of(covers[b].balls.begin(), covers[b].balls.end(), [&](const BodySphere& ball) {
-      const Vec3 centre = place(ball.centre);
-      return std::any_of(covers[a].balls.begin(), covers[a].balls.end(), [&](const BodySphere& other) {
-        return norm(centre - other.centre) <= ball.radius + other.radius;
-      });
-    });
-  };
-  std::map<std::size_t, double> room;
+  ShapeChecker shapes(std::make_shared<const ManipulatorScene>(World3(), robot));
+  std::map<std::pair<std::size_t, std::size_t>, double> distances;
   for (std::size_t a = 0; a < links.size(); ++a) {
     for (std::size_t b = a + 1; b < links.size(); ++b) {
-      if (!in_contact(a, b)) continue;
-      const double distance =
-          shapes.distance(a, b, robot.robot().pose_in_body(a).inverse() * robot.robot().pose_in_body(b));
-      const auto shares = shapes.divide(distance, a, b);
-      if (!(shares.first > shapes.finest(a) && distance > 0.0)) {
+      if (covers[a].balls.empty() || covers[b].balls.empty() || !robot.stand(a, b) || !robot.checked(a, b)) continue;
+      const Pose3 place = robot.robot().pose_in_body(a).inverse() * robot.robot().pose_in_body(b);
+      const bool touch = std::any_of(covers[b].balls.begin(), covers[b].balls.end(), [&](const BodySphere& ball) {
+        const Vec3 centre = place(ball.centre);
+        return std::any_of(covers[a].balls.begin(), covers[a].balls.end(), [&](const BodySphere& other) {
+          return norm(centre - other.centre) <= ball.radius + other.radius;
+        });
+      });
+      if (!touch) continue;
+      const double distance = shapes.distance(a, b, place);
+      if (distance > shapes.finest(a) + shapes.finest(b)) {
+        distances[{a, b}] = distance;
+      } else {
         contacts.push_back({a, b, distance});
-        continue;
-      }
-      for (const auto& [link, share] : {std::pair(a, shares.first), std::pair(b, shares.second)}) {
-        if (!protrudes(covers[link]) || covers[link].excess < share) continue;
-        const auto [known, first] = room.emplace(link, share);
-        known->second = std::min(known->second, share);
       }
     }
   }
-  std::map<std::size_t, MedialCover> finer;
-  for (const auto& [link, most] : room) {
-    finer[link] = finer_cover(links[link], most, robot.covers().options.excess, cover);
-  }
-  return finer.empty() ? robot : robot.with_covers(finer);
+  return distances.empty() ? robot : robot.with_standing_distances(distances);
 }
 
 }  // namespace trellis

@@ -78,17 +78,16 @@ std::vector<std::string> fit_covers(
     Problem& problem,
     const CoverMaker& cover = [](auto solids, const auto& options) { return medial_cover(solids, options); });
 
-/// Two links that do not move against each other and are too near for covers.
+/// Two links that do not move against each other and are in contact, or nearer than any covers decide.
 struct StandingContact {
   std::size_t first = 0;
   std::size_t second = 0;
-  double distance = 0.0;  ///< of their shapes, in metres; 0 in contact
+  double distance = 0.0;  ///< of their shapes, in metres
 };
 
-/// Covers links of a robot with finer balls where balls of links touch that do not move against each other, and their
-/// shapes do not.
-/// \param contacts  receives the pairs that stay in contact: no configuration is valid with one
-SphereModel fit_standing_covers(const SphereModel& robot, const CoverMaker& cover,
-                                std::vector<StandingContact>& contacts);
+/// Returns the robot whose links that do not move against each other are compared by their shapes, where their covers
+/// touch. The result is that of the robot whose joints all move, at a start (EndChecker).
+/// \param contacts  receives the pairs in contact: no configuration is valid with one
+SphereModel with_standing_shapes(const SphereModel& robot, std::vector<StandingContact>& contacts);
 
 }  // namespace trellis

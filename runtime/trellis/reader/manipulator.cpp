@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include <trellis/base/errors.hpp>
@@ -323,9 +322,7 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
   may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   const SphereModel covered(robot, std::move(covers), std::move(may_touch));
   std::vector<StandingContact> contacts;
-  const SphereModel model = fit_standing_covers(
-      covered.with_touching(touching),
-      [&](std::span<const Solid> solids, const CoverOptions& finer) { return cache.cover(solids, finer); }, contacts);
+  const SphereModel model = with_standing_shapes(covered.with_touching(touching), contacts);
   if (!contacts.empty()) warnings.push_back(standing_warning(files, tree, contacts));
   if (!srdf) return model;
   return model.with_states(states_of(*srdf, files.group, robot)).with_world_frame(srdf->world_frame);

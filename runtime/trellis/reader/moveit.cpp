@@ -17,6 +17,7 @@
 #include <vector>
 
 #include <trellis/base/errors.hpp>
+#include <trellis/instance/link_shapes.hpp>
 #include <trellis/reader/formats.hpp>
 #include <trellis/reader/moveit_scene.hpp>
 #include <trellis/reader/moveit_yaml.hpp>
@@ -296,7 +297,8 @@ class SceneReader {
       placed[j] = std::move(value);
       changed = true;
     }
-    if (changed) robot_ = robot_.with_values(placed);
+    std::vector<StandingContact> contacts;  // a start in contact names them
+    if (changed) robot_ = with_standing_shapes(robot_.with_values(placed), contacts);
     if (!values_.unread().empty()) {
       warnings_.push_back(
           fmt::format("values of joints that robot '{}' does not have, or that its URDF file fixes, are "

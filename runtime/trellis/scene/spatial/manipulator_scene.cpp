@@ -139,8 +139,9 @@ SphereModel::SphereModel(Manipulator robot, LinkCovers covers, Pairs may_touch)
   permit(std::move(all));
 }
 
-SphereModel::SphereModel(std::shared_ptr<const LinkCovers> covers, Manipulator robot, Pairs may_touch)
-    : robot_(std::move(robot)), covers_(std::move(covers)) {
+SphereModel::SphereModel(std::shared_ptr<const LinkCovers> covers, Manipulator robot, Pairs may_touch,
+                         Distances distances)
+    : robot_(std::move(robot)), covers_(std::move(covers)), distances_(std::move(distances)) {
   for (const Manipulator::Body& body : robot_.bodies()) {
     exact_ = exact_ && std::all_of(body.solids.begin(), body.solids.end(),
                                    [](const Solid& solid) { return std::holds_alternative<Sphere>(solid.shape); });
@@ -163,6 +164,13 @@ void SphereModel::keep(const SphereModel& other) {
   states_ = other.states_;
   world_frame_ = other.world_frame_;
   touching_ = other.touching_;
+}
+
+SphereModel SphereModel::with_standing_distances(Distances distances) const {
+  SphereModel with = *this;
+  with.distances_ = std::move(distances);
+  with.add_standing();
+  return with;
 }
 
 SphereModel SphereModel::with_touching(const Pairs& touching) const {
@@ -264,7 +272,8 @@ void SphereModel::add_standing() {
       for (std::size_t j = i + 1; j < links.size(); ++j) {
         if (!checked(links[i], links[j])) continue;
         const double enough = nearest ? nearest->gap : std::numeric_limits<double>::infinity();
-        const double gap = gap_between(balls[i], balls[j], enough);
+        const auto given = distances_.find(std::minmax(links[i], links[j]));
+        const double gap = given == distances_.end() ? gap_between(balls[i], balls[j], enough) : given->second;
         if (gap < enough) nearest = Standing{std::min(links[i], links[j]), std::max(links[i], links[j]), gap};
       }
     }
@@ -304,6 +313,7 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   std::vector<Link> links = {{"world", {}}};
   std::vector<Joint> joints;
   Pairs may_touch;
+  Distances distances;
   LinkCovers covers{robots.front().covers_->options, std::vector<MedialCover>(1)};
   std::vector<std::string> moving;
   std::vector<std::pair<std::string, std::vector<double>>> values;
@@ -347,6 +357,9 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
     }
     for (const std::size_t j : one.moving()) moving.push_back(named(tree.joints()[j].name));
     for (const auto& [a, b] : robots[i].may_touch_) may_touch.emplace_back(first_link + a, first_link + b);
+    for (const auto& [pair, distance] : robots[i].distances_) {
+      distances[{first_link + pair.first, first_link + pair.second}] = distance;
+    }
     if (std::find(names.begin(), names.end(), tree.name()) == names.end()) names.push_back(tree.name());
   }
   KinematicTree tree(fmt::format("{} robots ({})", robots.size(), fmt::join(names, ", ")), std::move(links),
@@ -358,7 +371,7 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   for (auto& [joint, value] : values) placed[*tree.find_joint(joint)] = std::move(value);
   // Permissions of the robots alone: neither the world nor a base makes links of two robots neighbours.
   SphereModel team(std::make_shared<const LinkCovers>(std::move(covers)),
-                   Manipulator(std::move(tree), std::move(numbers), placed), {});
+                   Manipulator(std::move(tree), std::move(numbers), placed), {}, std::move(distances));
   team.permit(std::move(may_touch));
   for (const State& state : robots.front().states_) {
     State whole{state.name, {}};
@@ -462,7 +475,7 @@ SphereModel SphereModel::attached(const std::string& name, const Solid& solid, s
   for (std::size_t other = 0; other < added; ++other) {
     if (robot.tree().fixed_together(other, added)) may_touch.emplace_back(other, added);
   }
-  SphereModel with(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {});
+  SphereModel with(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {}, distances_);
   with.permit(std::move(may_touch));
   with.keep(*this);
   return with;
@@ -484,7 +497,7 @@ SphereModel SphereModel::with_values(const std::vector<std::vector<double>>& val
 SphereModel SphereModel::with_covers(const std::map<std::size_t, MedialCover>& covers) const {
   LinkCovers all = *covers_;
   for (const auto& [link, cover] : covers) all.links[link] = cover;
-  SphereModel with(std::make_shared<const LinkCovers>(std::move(all)), robot_, {});
+  SphereModel with(std::make_shared<const LinkCovers>(std::move(all)), robot_, {}, distances_);
   with.permit(Pairs(may_touch_));
   with.keep(*this);
   return with;
@@ -519,7 +532,7 @@ SphereModel SphereModel::padded(const std::vector<double>& scale, const std::vec
     covers.links.push_back(medial_cover(link.solids, covers.options));
     for (std::size_t other = 0; other < added; ++other) may_touch.emplace_back(other, added);
   }
-  SphereModel whole(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {});
+  SphereModel whole(std::make_shared<const LinkCovers>(std::move(covers)), std::move(robot), {}, distances_);
   whole.permit(std::move(may_touch));
   whole.keep(*this);
   return whole;

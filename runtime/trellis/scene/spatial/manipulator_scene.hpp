@@ -41,6 +41,7 @@ LinkCovers link_covers(const KinematicTree& tree, const CoverOptions& options = 
 class SphereModel {
  public:
   using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+  using Distances = std::map<std::pair<std::size_t, std::size_t>, double>;
   /// Balls of a body that self-collision checking compares with the same links: those of links with the same
   /// permissions.
   struct Part {
@@ -91,6 +92,17 @@ class SphereModel {
   [[nodiscard]] bool checked(std::size_t first_link, std::size_t second_link) const;
   /// Pairs of links that may touch each other, the lesser one first, ascending.
   [[nodiscard]] const Pairs& may_touch() const { return may_touch_; }
+  /// Whether two links are of one body: they do not move against each other.
+  [[nodiscard]] bool stand(std::size_t first_link, std::size_t second_link) const {
+    return robot_.body_of(first_link) == robot_.body_of(second_link);
+  }
+  /// Whether the distance of two links of one body is given, so that their balls are not compared.
+  [[nodiscard]] bool stands_apart(std::size_t first_link, std::size_t second_link) const {
+    return stand(first_link, second_link) && distances_.contains(std::minmax(first_link, second_link));
+  }
+  /// Returns the robot with distances of links of one body, in place of those of their balls. Pairs have the lesser
+  /// link first; each distance is greater than 0, in metres.
+  [[nodiscard]] SphereModel with_standing_distances(Distances distances) const;
   /// The nearest links of one body that must not touch each other; none without such links. Where they touch, no
   /// configuration is valid.
   [[nodiscard]] std::optional<Standing> standing() const;
@@ -157,7 +169,7 @@ class SphereModel {
   /// A model with other balls and parts, which is not divided anew.
   SphereModel(const SphereModel& whole, Manipulator robot, std::vector<std::vector<BodySphere>> bodies);
   /// A model without bodies: `permit` adds them.
-  SphereModel(std::shared_ptr<const LinkCovers> covers, Manipulator robot, Pairs may_touch);
+  SphereModel(std::shared_ptr<const LinkCovers> covers, Manipulator robot, Pairs may_touch, Distances distances = {});
   /// Sets the pairs of links that may touch, and divides the bodies into parts.
   void permit(Pairs may_touch);
   void divide();
@@ -180,7 +192,8 @@ class SphereModel {
   Pose3 base_;
   std::vector<State> states_;
   std::string world_frame_;
-  Pairs touching_;  ///< pairs of links that may touch whatever permissions say, ascending
+  Distances distances_;  ///< of links of one body, given
+  Pairs touching_;       ///< pairs of links that may touch whatever permissions say, ascending
   bool exact_ = true;
   bool covers_shapes_ = true;
   double bounding_radius_ = 0.0;
