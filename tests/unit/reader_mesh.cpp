@@ -20,6 +20,7 @@
 #include "unit/scene_spatial.hpp"
 
 #include <trellis/reader/mesh_file.hpp>
+#include <trellis/reader/robot_files.hpp>
 
 using namespace trellis;
 using namespace trellis::spatial_tests;
@@ -528,6 +529,20 @@ TEST_CASE("COLLADA is read in its unit and its axes, by a process of its own", "
   CHECK(file.mesh->bounds().hi.y == Approx(0.508));
   CHECK(file.mesh->bounds().hi.z == Approx(0.762));
   CHECK_THAT(fault_of([] { read_mesh(written("a.dae", collada()), {.unit = "mm"}); }), Contains("states its unit"));
+}
+
+TEST_CASE("a URDF file scales a COLLADA mesh, which has its own unit", "[reader][mesh][robot]") {
+  if (!converts_collada()) return;
+  static_cast<void>(written("part.dae", collada()));
+  const std::string urdf = written("part.urdf", R"(<robot name="r"><link name="base"/><link name="arm"><collision>
+<geometry><mesh filename="part.dae" scale="0.5 -1 2"/></geometry></collision></link>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint></robot>)");
+  const auto& solid = read_urdf(urdf).tree.links().at(1).solids.at(0);
+  const Box3 bounds = std::get<std::shared_ptr<const Mesh>>(solid.shape)->bounds();
+  CHECK(bounds.lo.x == Approx(0.5 * 2.54));
+  CHECK(bounds.hi.x == Approx(0.5 * (2.54 + 0.254)));
+  CHECK(bounds.lo.y == Approx(-0.508));
+  CHECK(bounds.hi.z == Approx(2.0 * 0.762));
 }
 
 TEST_CASE("damaged COLLADA is an error, wherever it ends", "[reader][mesh]") {

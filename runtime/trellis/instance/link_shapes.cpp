@@ -183,7 +183,8 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
       const ShapeReport report = shapes.at(q);
       if (!shapes.fits(report)) continue;
       for (std::size_t l = 0; l < links.size(); ++l) {
-        if (std::isinf(report.room[l])) continue;
+        // Of two links that are too near to each other, one cover may protrude less than its share already.
+        if (report.room[l] > fitted->manipulator()->robot.covers().links[l].excess) continue;
         const auto [known, first] = room.emplace(l, report.room[l]);
         known->second = std::min(known->second, report.room[l]);
       }
