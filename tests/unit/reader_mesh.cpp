@@ -537,7 +537,7 @@ TEST_CASE("a URDF file scales a COLLADA mesh, which has its own unit", "[reader]
   const std::string urdf = written("part.urdf", R"(<robot name="r"><link name="base"/><link name="arm"><collision>
 <geometry><mesh filename="part.dae" scale="0.5 -1 2"/></geometry></collision></link>
 <joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint></robot>)");
-  const auto& solid = read_urdf(urdf).tree.links().at(1).solids.at(0);
+  const Solid solid = read_urdf(urdf).tree.links().at(1).solids.at(0);
   const Box3 bounds = std::get<std::shared_ptr<const Mesh>>(solid.shape)->bounds();
   CHECK(bounds.lo.x == Approx(0.5 * 2.54));
   CHECK(bounds.hi.x == Approx(0.5 * (2.54 + 0.254)));
