@@ -66,6 +66,9 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     name = f"trellis-{_version()}"
     wheel = f"{name}-{_tag()}.whl"
     files = [(f"trellis/{path.name}", path.read_bytes()) for path in sorted(folder.iterdir()) if path.is_file()]
+    converter = folder.parent.parent / "trellis-mesh"  # of COLLADA; not built without assimp
+    if converter.exists():
+        files.append((f"trellis/{converter.name}", converter.read_bytes()))
     files += [
         (f"{name}.dist-info/METADATA", _metadata().encode()),
         (f"{name}.dist-info/WHEEL", _wheel().encode()),
@@ -76,7 +79,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     lines = []
     with zipfile.ZipFile(pathlib.Path(wheel_directory) / wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files:
-            archive.writestr(path, content)
+            entry = zipfile.ZipInfo(path)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o100755 if path.endswith(f"/{converter.name}") else 0o100644) << 16
+            archive.writestr(entry, content)
             digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
             lines.append(f"{path},sha256={digest},{len(content)}")
         archive.writestr(record, "\n".join([*lines, f"{record},,"]) + "\n")

@@ -33,6 +33,9 @@ def main():
         found = sorted(path.name for path in (pathlib.Path(folder) / "trellis").glob("*"))
         for name in ("__init__.py", "_trellis.pyi", "py.typed"):
             assert name in found, found
+        if os.access(os.path.join(build, "trellis-mesh"), os.X_OK):
+            # What converts COLLADA is beside the library that looks for it.
+            assert os.access(os.path.join(folder, "trellis", "trellis-mesh"), os.X_OK), found
         use = [sys.executable, "-c", USE.format(folder=folder)]
         subprocess.run(use, check=True, env=dict(environment, PYTHONPATH=folder), cwd=place)
     return 0
