@@ -64,7 +64,7 @@ EndFault EndChecker::fault(View q) {
   const ShapeContact found = shape_contact(problem_.scene, q, *contact, shapes_);
   const std::string body = scene.body_name(found.contact.body);
   if (const auto other = found.contact.other) {
-    const auto named = [](const std::string& link, std::string own) { return link.empty() ? std::move(own) : link; };
+    const auto named = [](const std::string& link, const std::string& own) { return link.empty() ? own : link; };
     return {fmt::format("{} meets {}{}", named(found.contact.link, body),
                         named(found.contact.other_link, scene.body_name(*other)), found.hint),
             found.fits};

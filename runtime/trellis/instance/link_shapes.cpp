@@ -199,6 +199,7 @@ std::vector<std::string> fit_covers(Problem& problem, const CoverMaker& cover) {
   }
   if (finer.empty()) return {};
   std::vector<std::string> texts;
+  texts.reserve(finer.size());
   for (const auto& [link, own] : finer) {
     texts.push_back(
         fmt::format("'{}' is covered by {} balls that protrude at most {:.2g} cm, in place of {} and {:.2g} cm",

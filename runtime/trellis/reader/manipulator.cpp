@@ -322,7 +322,7 @@ SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::str
   may_touch.insert(may_touch.end(), touching.begin(), touching.end());
   const SphereModel covered(robot, std::move(covers), std::move(may_touch));
   std::vector<StandingContact> contacts;
-  const SphereModel model = with_standing_shapes(covered.with_touching(touching), contacts);
+  SphereModel model = with_standing_shapes(covered.with_touching(touching), contacts);
   if (!contacts.empty()) warnings.push_back(standing_warning(files, tree, contacts));
   if (!srdf) return model;
   return model.with_states(states_of(*srdf, files.group, robot)).with_world_frame(srdf->world_frame);
