@@ -432,11 +432,10 @@ std::vector<Configuration> read_goals(Value value, const Problem& problem, std::
 
 void fit_covers_to_ends(Problem& problem, std::vector<std::string>& warnings) {
   const CoverCache cache(user_cover_folder());
-  for (std::string& text : fit_covers(problem, [&](std::span<const Solid> solids, const CoverOptions&options) {
-         return cache.cover(solids, options);
-       })) {
-    warnings.push_back(std::move(text));
-  }
+  const CoverMaker cover = [&](std::span<const Solid> solids, const CoverOptions& options) {
+    return cache.cover(solids, options);
+  };
+  for (std::string& text : fit_covers(problem, cover)) warnings.push_back(std::move(text));
 }
 
 std::string radians_sentence(double degrees) {

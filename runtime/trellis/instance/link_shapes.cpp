@@ -20,6 +20,7 @@ constexpr double inexact = 1e-3;
 /// Whether a cover is of a shape that it may differ from.
 bool protrudes(const MedialCover& cover) { return cover.excess > 0.0; }
 
+/// How finer covers are made: with more balls than usual, in a few seconds for the largest links.
 CoverOptions fit_options(double excess) {
   constexpr double work = 6.0;
   return {excess, excess, std::numeric_limits<std::size_t>::max(), work};

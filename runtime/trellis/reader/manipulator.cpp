@@ -253,6 +253,9 @@ std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
                             : names.size() <= most_named ? fmt::format("links {}", fmt::join(names, ", "))
                                                          : fmt::format("{} links", names.size());
   std::string text = fmt::format("{} {} covered by {} balls", links, names.size() == 1 ? "is" : "are", balls);
+  if (names.size() == 1) {
+    return text + fmt::format(" that protrude at most {}", centimetres(more.empty() ? excess : more.front().first));
+  }
   if (names.size() > more.size()) text += fmt::format(" that protrude at most {}", centimetres(excess));
   if (more.empty()) return text;
   // Those that protrude most.

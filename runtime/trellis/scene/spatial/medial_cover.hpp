@@ -48,7 +48,8 @@ struct MedialCover {
 MedialCover medial_cover(std::span<const Solid> solids, const CoverOptions& options = {});
 
 /// Returns the least excess that `medial_cover` gives solids which are not spheres and capsules, in metres: the square
-/// root of a 4000th of their area with `work` = 1. 0 of others.
+/// root of a 4000th of their area with `work` = 1, or a 138th of the cube root of their box's volume, whichever is
+/// greater. 0 of others.
 double least_cover_excess(std::span<const Solid> solids, const CoverOptions& options = {});
 
 /// Raise it where `medial_cover` returns other balls than before: stored covers are made anew then.
