@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,6 +25,12 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
   const RunRecord alone = execute(undivided(strategy.planner()), problem, seed);
   const BoundedLoss& law = guided.bounded;
   REQUIRE(law.bound > 1.0);
+  for (const RunCost& cost : {law.guided, law.unguided, law.largest_step}) {
+    REQUIRE(std::isfinite(cost.work));
+    // More than any run of a test can do: a difference of unsigned counts that has wrapped.
+    REQUIRE((cost.checks >= 0.0 && cost.checks < 1e12));
+    REQUIRE((cost.work >= 0.0 && cost.work < 1e12));
+  }
   const auto checks = [](const RunRecord& run) { return static_cast<double>(run.validity_checks); };
   CHECK(guided.work == law.guided.work + law.unguided.work);
   CHECK(checks(guided) == law.guided.checks + law.unguided.checks);

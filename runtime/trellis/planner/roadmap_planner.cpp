@@ -64,9 +64,19 @@ std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
 
 std::optional<Status> RoadmapPlanner::step() {
   const std::optional<Status> status = advance();
+  count_search();
+  return status;
+}
+
+void RoadmapPlanner::count_search() {
   context_.instance.checks.other += search_cost::edge * static_cast<double>(paths_.looked_at() - counted_);
   counted_ = paths_.looked_at();
-  return status;
+}
+
+void RoadmapPlanner::discard_paths() {
+  count_search();
+  paths_ = {};
+  counted_ = 0;
 }
 
 std::optional<Status> RoadmapPlanner::advance() {
@@ -194,7 +204,7 @@ void RoadmapPlanner::repair() {
   for (std::uint32_t id = goal; id < goals_end_; ++id) goals += is_goal(id) ? 1 : 0;
   if (!same(node(LifelongSearch::start), instance.start) || goals < instance.goals.size()) {
     index_ = NearestIndex(instance.space);
-    paths_ = {};
+    discard_paths();
     connectivity_ = {};
     for (auto* rows : {&rows_, &jumps_, &presumed_edges_}) rows->clear();
     for (auto* known : {&nodes_, &edges_}) known->clear();

@@ -74,6 +74,10 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
 
   /// A step, without the count of its work.
   std::optional<Status> advance();
+  /// Counts the edges that the graph search has considered since the last call.
+  void count_search();
+  /// Empties the graph that is searched, and counts what its search has considered.
+  void discard_paths();
   [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
   [[nodiscard]] View node(std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
 
@@ -231,7 +235,7 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   bool presumed_ = false;               ///< validity costs no checks: an edge counts as checked unless refuted
   bool tracked_ = true;                 ///< computes and reports connectivity
   bool disconnected_ = false;           ///< connectivity is outdated: a checked edge was removed
-  std::uint64_t counted_ = 0;           ///< edges that the graph search has considered, as counted so far
+  std::uint64_t counted_ = 0;           ///< edges that the search of `paths_` has considered, as counted so far
   std::uint64_t epoch_ = 0;
   bool solved_ = false;
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <limits>
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/base/error.hpp>
 #include <trellis/base/helper_threads.hpp>
 #include <trellis/base/lua_time.hpp>
 #include <trellis/strategy/checks.hpp>
@@ -87,6 +89,18 @@ class Deadline {
   double last_ = -1.0;
   int skipped_ = 0;
 };
+
+/// Checks that the cost of a search is finite and has not decreased: otherwise bounded loss would hold by accident.
+/// \param step  difference to its cost before
+void check_growth(const RunCost& step, const RunCost& cost) {
+  // Sums of work are rounded.
+  constexpr double rounding = 1e-9;
+  const auto grows = [](double difference, double sum) {
+    return std::isfinite(sum) && difference >= -rounding * std::abs(sum);
+  };
+  if (grows(step.checks, cost.checks) && grows(step.work, cost.work)) return;
+  throw Fault(fmt::format("a step of the guided search has cost {} checks and {} units of work", step.checks, step.work));
+}
 
 /// A run, from its levels to its record.
 class Running {
@@ -298,6 +312,7 @@ class Running {
   void note_step() {
     const RunCost guided = run_.cost();
     const RunCost step = guided - guided_before_;
+    check_growth(step, guided);
     largest_step_ = {std::max(largest_step_.checks, step.checks), std::max(largest_step_.work, step.work)};
     guided_before_ = guided;
   }
