@@ -139,23 +139,32 @@ struct SkeletonBase {
   BoxTree tree;  ///< of the edges; in the plane, z is 0
 };
 
-/// The least clearance of an edge, and the weights of the axes that edges are measured with.
-using SkeletonKey = std::pair<double, std::vector<double>>;
+/// Which edges of a skeleton a graph has.
+struct Passable {
+  double clearance = 0.0;  ///< the least along an edge, metres
+  bool parts = false;      ///< also the parts of narrower edges that have this clearance
+  friend auto operator<=>(const Passable&, const Passable&) = default;
+};
+
+/// The choice of edges, and the weights of the axes that edges are measured with.
+using SkeletonKey = std::pair<Passable, std::vector<double>>;
 
 Vec3 corner_of(View p) { return {p[0], p[1], p.size() > 2 ? p[2] : 0.0}; }
 
+/// \param vertices  of the skeleton
 template <class Skeleton>
-SkeletonBase make_base(const Skeleton& skeleton, const Space& space, double clearance) {
+SkeletonBase make_base(const Skeleton& skeleton, const Space& space, const Passable& passable,
+                       Configurations vertices) {
   SkeletonBase base;
+  base.graph.vertices = std::move(vertices);
   base.middles = Configurations(space.dimension());
   base.middles.reserve(2 * skeleton.edges.size());
   std::vector<Box3> boxes;
-  for (const auto& edge : skeleton.edges) {
-    const double least = *std::min_element(edge.clearance.begin(), edge.clearance.end());
-    if (least < clearance) continue;
+  // Adds the points [first, end) of an edge, all of it or a part.
+  const auto add = [&](const auto& edge, std::size_t first, std::size_t end) {
     Configurations points(space.dimension());
-    points.reserve(edge.points.size());
-    for (const auto& p : edge.points) points.push(row(p));
+    points.reserve(end - first);
+    for (std::size_t i = first; i < end; ++i) points.push(row(edge.points[i]));
     const auto& rows = std::as_const(points);
     Box3 box{corner_of(rows[0]), corner_of(rows[0])};
     for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -165,33 +174,46 @@ SkeletonBase make_base(const Skeleton& skeleton, const Space& space, double clea
     base.middles.push(rows[rows.size() / 2]);
     base.middles.push(rows[(rows.size() - 1) / 2]);
     const double length = path_length(space, points);
-    base.graph.edges.push_back({edge.from, edge.to, length, std::move(points)});
-    base.clearances.push_back(edge.clearance);
+    const std::uint32_t from = first == 0 ? edge.from : base.graph.vertices.push(rows[0]);
+    const std::uint32_t to = end == edge.points.size() ? edge.to : base.graph.vertices.push(rows[rows.size() - 1]);
+    base.graph.edges.push_back({from, to, length, std::move(points)});
+    const auto clearances = edge.clearance.begin();
+    base.clearances.emplace_back(clearances + static_cast<std::ptrdiff_t>(first),
+                                 clearances + static_cast<std::ptrdiff_t>(end));
+  };
+  for (const auto& edge : skeleton.edges) {
+    const std::size_t n = edge.points.size();
+    const auto wide = [&](std::size_t i) { return edge.clearance[i] >= passable.clearance; };
+    std::size_t first = 0;
+    for (std::size_t i = 0; i <= n; ++i) {
+      if (i < n && wide(i)) continue;
+      const bool whole = first == 0 && i == n;
+      if (i >= first + 2 && (whole || passable.parts)) add(edge, first, i);
+      first = i + 1;
+    }
   }
   base.tree = BoxTree(boxes);
   return base;
 }
 
-std::shared_ptr<const SkeletonBase> cached_base(const Scene& scene, const Space& space, double clearance) {
-  SkeletonKey key{clearance, {}};
+std::shared_ptr<const SkeletonBase> cached_base(const Scene& scene, const Space& space, const Passable& passable) {
+  SkeletonKey key{passable, {}};
   for (const Axis& axis : space.axes()) key.second.push_back(axis.weight);
   if (scene.planar() != nullptr) {
     static CacheByWorld<SkeletonBase, SkeletonKey> cache;
     return cache.get(planar(scene).world, key, [&](const World& world) {
       const auto skeleton = cached_medial_axis(world);
-      SkeletonBase base = make_base(*skeleton, space, clearance);
-      base.graph.vertices = Configurations(space.dimension());
-      for (const Vec2 v : skeleton->vertices) base.graph.vertices.push(row(v));
-      return base;
+      Configurations vertices(space.dimension());
+      for (const Vec2 v : skeleton->vertices) vertices.push(row(v));
+      return make_base(*skeleton, space, passable, std::move(vertices));
     });
   }
   static CacheByWorld<SkeletonBase, SkeletonKey> cache;
   return cache.get(spatial(scene).world, key, [&](const World3& world) {
     const auto balls = cached_ball_graph(world);
-    SkeletonBase base = make_base(*balls, space, clearance);
-    base.graph.vertices = Configurations(space.dimension());
-    for (const auto& ball : balls->balls) base.graph.vertices.push(row(ball.centre));
-    return base;
+    Configurations vertices(space.dimension());
+    for (const auto& ball : balls->balls) vertices.push(row(ball.centre));
+    return make_base(*balls, space, passable, std::move(vertices));
   });
 }
 
@@ -229,8 +251,28 @@ class GraphBuilder {
   GraphBuilder(const Scene& scene, double clearance, Instance& instance)
       : instance_(instance),
         dimension_(instance.space.dimension()),
-        table_(cached_base(scene, instance.space, clearance)) {
+        clearance_(clearance),
+        table_(cached_base(scene, instance.space, {clearance})) {
+    if (scene.planar() != nullptr && clearance > 0.0) {
+      const auto disc = std::make_shared<PlanarScene>(planar(scene).world, Robot::disc(clearance));
+      disc_ = make_validity("planar", disc, instance.space, std::min(instance.resolution, clearance), nullptr);
+    }
+    if (build(scene) || !disc_) return;
+    // An end lies where the axis is wide and leads to a narrow place.
+    table_ = EdgeTable(cached_base(scene, instance.space, {clearance, true}));
+    parts_ = true;
+    graph_ = {};
+    build(scene);
+  }
+  [[nodiscard]] Graph take() { return std::move(graph_); }
+  [[nodiscard]] EdgeTable take_table() { return std::move(table_); }
+
+ private:
+  /// Makes the graph. Returns whether the disc of the least clearance can move from each end to the axis: only then the
+  /// graph has a path where the disc has one.
+  bool build(const Scene& scene) {
     const Graph& base = table_.base().graph;
+    joined_ = true;
     // Start and goals add a vertex each, and may split an edge each.
     const std::size_t added = 2 * (1 + instance_.goals.size());
     graph_.vertices = Configurations(dimension_);
@@ -238,22 +280,35 @@ class GraphBuilder {
     for (std::size_t v = 0; v < base.vertices.size(); ++v) graph_.vertices.push(base.vertices[v]);
     graph_.edges.reserve(base.edges.size() + added);
     graph_.edges = base.edges;
-    graph_.start = join(instance.start);
-    for (const Configuration& goal : instance.goals) graph_.goals.push_back(join(goal));
+    graph_.start = join(instance_.start);
+    for (const Configuration& goal : instance_.goals) graph_.goals.push_back(join(goal));
     // A world without obstacles has no medial axis, and the straight motion is valid.
-    if (instance.scene->obstacle_count() == 0 && graph_.edges.empty()) {
-      for (const std::uint32_t goal : graph_.goals) {
-        Configurations straight(dimension_);
-        straight.push(instance.start);
-        straight.push(std::as_const(graph_.vertices)[goal]);
-        add_edge(graph_.start, goal, std::move(straight), {0.0, 0.0});
-      }
+    const bool empty = scene.obstacle_count() == 0 && graph_.edges.empty();
+    for (const std::uint32_t goal : graph_.goals) {
+      Configurations straight(dimension_);
+      straight.push(instance_.start);
+      straight.push(std::as_const(graph_.vertices)[goal]);
+      const auto& ends = std::as_const(straight);
+      // An end that is not joined to the axis may see the other end.
+      const bool seen = parts_ && !joined_ && disc_moves(ends.front(), ends.back());
+      if (empty || seen) add_edge(graph_.start, goal, std::move(straight), {0.0, 0.0});
     }
+    return joined_;
   }
-  [[nodiscard]] Graph take() { return std::move(graph_); }
-  [[nodiscard]] EdgeTable take_table() { return std::move(table_); }
+  /// Whether the disc of the least clearance can move between two places. The checks count.
+  bool disc_moves(View a, View b) {
+    if (!disc_) return true;
+    const MotionReport report = disc_->motion(a, b);
+    instance_.checks.validity += report.checks;
+    return report.valid;
+  }
+  /// Whether the disc of the least clearance is free at a place. The check counts.
+  bool disc_stands(View q) {
+    ++instance_.checks.validity;
+    ++instance_.checks.alone;
+    return disc_->state(q);
+  }
 
- private:
   void add_edge(std::uint32_t from, std::uint32_t to, Configurations points, std::vector<double> clearance) {
     const double length = path_length(instance_.space, points);
     table_.set(graph_.edges.size(), std::move(clearance));
@@ -275,14 +330,40 @@ class GraphBuilder {
     const std::uint32_t vertex = graph_.vertices.push(q);
     // The nearest point is usually visible; then the other points need no sorting.
     const Sight nearest = nearest_sight(q);
-    if (!std::isfinite(nearest.distance) || connect(vertex, nearest)) return vertex;
+    const bool there = std::isfinite(nearest.distance);
+    const bool seen = there && sees(q, nearest);
+    // Without room for the disc at q, the real robot has no path.
+    std::optional<bool> stands;
+    const auto suits = [&](const Sight& sight) {
+      if (leads_to(q, sight)) return true;
+      if (!stands) stands = disc_stands(q);
+      return !*stands;
+    };
+    if (seen && suits(nearest)) return connect(vertex, nearest);
     std::vector<Sight> sights = all_sights(q);
-    const auto last = sights.begin() + static_cast<std::ptrdiff_t>(std::min(most_sights, sights.size()));
+    const std::size_t most = parts_ ? sights.size() : std::min(most_sights, sights.size());
+    const auto last = sights.begin() + static_cast<std::ptrdiff_t>(most);
     std::partial_sort(sights.begin(), last, sights.end());
-    for (auto sight = sights.begin() + 1; sight != last; ++sight) {
-      if (connect(vertex, *sight)) break;
+    const Sight* visible = seen ? &nearest : nullptr;
+    for (auto sight = sights.begin() + (there ? 1 : 0); sight != last; ++sight) {
+      if (!sees(q, *sight)) continue;
+      if (suits(*sight)) return connect(vertex, *sight);
+      if (visible == nullptr) visible = &*sight;
     }
-    return vertex;
+    if (disc_ && !stands) stands = disc_stands(q);
+    joined_ = joined_ && !stands.value_or(false);
+    // The nearest visible point is better than none.
+    return visible != nullptr ? connect(vertex, *visible) : vertex;
+  }
+  [[nodiscard]] View point(const Sight& sight) const {
+    return std::as_const(graph_.edges[sight.edge].points)[sight.point];
+  }
+  /// Whether the motion of a point from q to a point of the axis is valid.
+  bool sees(View q, const Sight& sight) { return sight.distance == 0.0 || instance_.motion(q, point(sight)).valid; }
+  /// Whether the disc of the least clearance, too, can move there: always where the clearance at that point shows it.
+  bool leads_to(View q, const Sight& sight) {
+    const double room = table_.clearance(sight.edge)[sight.point] - clearance_;
+    return !disc_ || sight.distance <= room || disc_moves(q, point(sight));
   }
 
   /// Returns the nearest point of the edges; with an infinite distance where there is none.
@@ -327,16 +408,14 @@ class GraphBuilder {
     return sights;
   }
 
-  /// Adds the edge from a vertex to a point of an edge if the motion between them is valid.
-  bool connect(std::uint32_t vertex, const Sight& sight) {
+  /// Adds the edge from a vertex to a point of an edge. Returns the vertex.
+  std::uint32_t connect(std::uint32_t vertex, const Sight& sight) {
     Configurations motion(dimension_);
     motion.push(std::as_const(graph_.vertices)[vertex]);
-    motion.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
-    const auto& ends = std::as_const(motion);
-    if (sight.distance > 0.0 && !instance_.motion(ends.front(), ends.back()).valid) return false;
+    motion.push(point(sight));
     const std::uint32_t foot = split(sight.edge, sight.point);
     add_edge(vertex, foot, std::move(motion), {0.0, 0.0});
-    return true;
+    return vertex;
   }
 
   /// The vertex at a point of an edge. Splits the edge if the point is not one of its ends.
@@ -362,7 +441,11 @@ class GraphBuilder {
 
   Instance& instance_;
   std::size_t dimension_;
+  double clearance_;
   EdgeTable table_;
+  std::shared_ptr<Validity> disc_;  ///< of the least clearance; nullptr: none is asked for
+  bool parts_ = false;              ///< the graph has parts of edges
+  bool joined_ = true;
   Graph graph_;
 };
 
