@@ -220,7 +220,8 @@ inline std::pair<Experiment, ExperimentResult> passage() {
   const auto left_out = [&](const char* key, auto factor) {
     LeftOut one{"simple_passage", "nested", key, {}};
     for (std::size_t i = 15; i < 30; ++i) {
-      one.costs.push_back({factor(i - 15) * static_cast<double>(result.runs[i].run.validity_checks), true});
+      const auto checks = static_cast<double>(result.runs[i].run.validity_checks);
+      one.pairs.push_back({result.runs[i].seed, {checks, true}, {factor(i - 15) * checks, true}});
     }
     result.left_out.push_back(std::move(one));
   };

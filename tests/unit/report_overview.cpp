@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -31,31 +31,18 @@ std::string overview(const Experiment& experiment, const ExperimentResult& resul
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// Costs of `n` pairs, `less` of which are lower than the reference's, all others higher, under one correction.
-PairedCosts costs(std::size_t n, std::size_t less, double ratio = 2.0, std::size_t tests = 1) {
-  std::vector<CensoredCost> mine;
-  std::vector<CensoredCost> reference;
-  for (std::size_t i = 0; i < n; ++i) {
-    reference.push_back({100.0, true});
-    mine.push_back({i < less ? 50.0 : 100.0 * ratio, true});
-  }
-  PairedCosts result = paired_costs(mine, reference);
-  result.holm_p = std::min(1.0, static_cast<double>(tests) * result.sign_p);
-  return result;
+/// Ratios of pairs, the first `less` of which are a half and the others `ratio`.
+std::vector<RatioBracket> ratios(std::size_t n, std::size_t less, double ratio = 2.0) {
+  std::vector<RatioBracket> all(n, {ratio, ratio});
+  std::fill_n(all.begin(), less, RatioBracket{0.5, 0.5});
+  return all;
 }
 
-/// The probability that a sign test of n pairs, each less with probability p, falls below alpha: all outcomes counted.
-double power(std::size_t n, double p, double alpha) {
-  double sum = 0.0;
-  double binomial = 1.0;  // n over k
-  for (std::size_t k = 0; k <= n; ++k) {
-    if (2 * k > n && sign_test(k, n - k) < alpha) {
-      sum += binomial * std::pow(p, static_cast<double>(k)) * std::pow(1.0 - p, static_cast<double>(n - k));
-    }
-    binomial *= static_cast<double>(n - k) / static_cast<double>(k + 1);
-  }
-  return sum;
+Verdict decide_alone(const std::vector<RatioBracket>& of) {
+  return verdict_of(decide_in_rounds(std::vector<std::vector<RatioBracket>>{of})[0], of, 1, 1);
 }
+
+std::string decided(const std::vector<RatioBracket>& of) { return verdict_text(decide_alone(of)); }
 
 }  // namespace
 
@@ -68,61 +55,68 @@ TEST_CASE("the overview looks as it should and fits 100 columns", "[report][gold
 }
 
 TEST_CASE("costs with and without a guide decide whether it pays", "[report][verdict]") {
-  const auto text = [](const PairedCosts& of, std::size_t tests = 1) { return verdict_text(verdict_of(of, tests)); };
-  CHECK(text(costs(12, 12)) == "pays ×0.5 [0.5, 0.5]");
-  CHECK(text(costs(12, 0, 3.0)) == "costs ×3 [3, 3]");
-  CHECK(has(text(costs(12, 6)), "not shown (12 seeds"));
-  CHECK(text(costs(12, 12, 2.0, 200), 200).find("not shown (12 seeds; ~") == 0);
-  CHECK(text(costs(4, 4)).find("not shown (4 seeds; ~") == 0);
-  // Runs without the guide that were cut off count as infinite; a strategy that finds no path without it pays.
-  std::vector<CensoredCost> mine(10, {100.0, true});
-  std::vector<CensoredCost> none(10, {2000.0, false});
-  CHECK(text(paired_costs(mine, none)) == "pays ×0 [0, 0]");
-  CHECK(text(paired_costs(none, mine)) == "costs ×inf");
-  CHECK(text(paired_costs(none, none)) == "not shown (10 seeds)");
+  CHECK(decided(ratios(12, 12)) == "pays ×0.5 [0.5, 0.5] (12 seeds)");
+  CHECK(decided(ratios(12, 0, 3.0)) == "costs ×3 [3, 3] (12 seeds)");
+  CHECK(decided(ratios(12, 0, 250.0)) == "costs ×250 [250, 250] (12 seeds)");
+  CHECK(decided(ratios(12, 0, 1.125)) == "costs ×1.1 [1.1, 1.1] (12 seeds)");
+  CHECK(decided(ratios(12, 0, 1.03125)) == "costs ×1.03 [1.03, 1.03] (12 seeds)");
+  CHECK(decided(ratios(12, 0, 1.0)) == "changes nothing: the same cost on 12 seeds");
+  std::vector<RatioBracket> near(12, {0.95, 0.95});
+  for (std::size_t i = 0; i < near.size(); i += 2) near[i] = {1.1, 1.1};
+  CHECK(decided(near) == "no difference above ×1.25 [0.95, 1.1] (12 seeds)");
+  CHECK(decided(ratios(12, 6)) == "not shown [0.5, 2] (12 seeds)");
+  CHECK(decided(ratios(6, 6)) == "not shown (6 seeds); ~8 seeds would probably show it");
+  CHECK(decided({}) == "not tested");
+  // Runs that were cut off bound the ratio; a strategy that finds no path without the guide pays.
+  CHECK(decided(std::vector<RatioBracket>(8, {0.0, 0.05})) == "pays ×0.05 or less [0, 0.05] (8 seeds)");
+  CHECK(decided(std::vector<RatioBracket>(8, {0.0, 0.0})) == "pays ×0 [0, 0] (8 seeds)");
+  const double infinity = std::numeric_limits<double>::infinity();
+  CHECK(decided(std::vector<RatioBracket>(8, {infinity, infinity})) == "costs ×inf [inf, inf] (8 seeds)");
+
+  Verdict verdict = verdict_of(SequentialDecision::open, ratios(12, 6), 1, 1);
+  verdict.more_ablation = 4.0;
+  CHECK(verdict_text(verdict) == "not shown [0.5, 2] (12 seeds); budget spent: --ablation 4");
+  verdict = decide_alone(ratios(12, 0, 1.0));
+  verdict.unsolved = true;
+  CHECK(verdict_text(verdict) == "changes nothing: no path on 12 seeds");
+  verdict = {};
+  verdict.kind = Verdict::Kind::never_set_up;
+  verdict.runs = 20;
+  CHECK(verdict_text(verdict) == "never set up (20 runs)");
 }
 
-TEST_CASE("the number of pairs that would show it is that of a test with a power of 80 %", "[report][verdict]") {
-  for (const std::size_t tests : {1U, 3U, 20U}) {
-    for (const auto& [n, less] : {std::pair<std::size_t, std::size_t>{15, 11}, {15, 4}, {6, 4}, {30, 18}, {8, 8}}) {
-      CAPTURE(tests, n, less);
-      const PairedCosts seen = costs(n, less, 2.0, tests);
-      const std::size_t needed = pairs_needed(seen, tests);
-      const double share = (static_cast<double>(std::max(less, n - less)) + 1.0) / (static_cast<double>(n) + 2.0);
-      const double alpha = 0.05 / static_cast<double>(tests);
-      if (needed == 0) {
-        CHECK(power(most_pairs / 2, share, alpha) < 0.9);
-        continue;
-      }
-      CHECK(needed > n);
-      CHECK(power(needed, share, alpha) >= 0.8);
-      // The search takes steps of 2 %, and the power rises with a saw's teeth.
-      if (needed > n + 1)
-        CHECK(power(static_cast<std::size_t>(0.9 * static_cast<double>(needed)), share, alpha) < 0.85);
-    }
-  }
-  // Equal pairs show nothing.
-  CHECK(pairs_needed(costs(15, 15, 1.0), 1) == 16);
-  CHECK(pairs_needed(costs(10, 0, 1.0), 1) == 0);
+TEST_CASE("a row that is the strategy without a guide has the inverse ratio", "[report][verdict]") {
+  const auto without = [](const std::vector<RatioBracket>& of) { return verdict_text_without(decide_alone(of)); };
+  CHECK(without(ratios(12, 12)) == "2 [2, 2] keep it");
+  CHECK(without(ratios(12, 0, 4.0)) == "0.25 [0.25, 0.25] leave it out");
+  CHECK(without(std::vector<RatioBracket>(8, {0.0, 0.05})) == "20 or more [20, inf] keep it");
+  CHECK(without(ratios(12, 0, 1.0)) == "changes nothing: the same cost on 12 seeds");
 }
 
-TEST_CASE("verdicts have Holm's correction over the whole report", "[report][verdict]") {
+TEST_CASE("all guides together are compared with the planner alone", "[report][verdict]") {
+  auto [experiment, result] = fixture::passage();
+  const auto whole = whole_verdict(facts_of(experiment, result), "simple_passage", "nested");
+  REQUIRE(whole.has_value());
+  CHECK(whole->reference == "rrt");
+  CHECK(whole->verdict.kind == Verdict::Kind::pays);
+  CHECK(has(overview(experiment, result), "all guides together: pays"));
+  CHECK_FALSE(whole_verdict(facts_of(experiment, result), "simple_passage", "rrt").has_value());
+}
+
+TEST_CASE("the guides of a strategy are a family of tests", "[report][verdict]") {
   const auto [experiment, result] = fixture::passage();
   const std::vector<GuideVerdict> found = guide_verdicts(facts_of(experiment, result), false);
   REQUIRE(found.size() == 3);
-  std::vector<double> p;
   for (const GuideVerdict& one : found) {
     CHECK(one.problem == "simple_passage");
     CHECK(one.strategy == "nested");
-    REQUIRE(one.verdict.costs.has_value());
-    p.push_back(one.verdict.costs->sign_p);
+    CHECK(one.verdict.counts.pairs == 15);
+    CHECK(one.verdict.tests == 3);
   }
-  const std::vector<double> corrected = holm(p);
-  for (std::size_t i = 0; i < 3; ++i) CHECK(found[i].verdict.costs->holm_p == corrected[i]);
   CHECK(found[0].verdict.kind == Verdict::Kind::not_shown);
   CHECK(found[1].verdict.kind == Verdict::Kind::costs);
   CHECK(found[2].verdict.kind == Verdict::Kind::pays);
-  CHECK(found[1].verdict.costs->ratio.value == 2.0);
+  CHECK(found[1].verdict.ratio.median.lo == 2.0);
 
   // The verdict does not depend on the samples; they explain it.
   const auto summary = fixture::summary_of(result, "simple_passage", "nested");
@@ -147,14 +141,21 @@ TEST_CASE("verdicts have Holm's correction over the whole report", "[report][ver
 TEST_CASE("a level that was not left out is not tested, whatever its samples are", "[report][verdict]") {
   auto [experiment, result] = fixture::passage();
   result.left_out.erase(result.left_out.begin());
-  result.left_out.front().costs.clear();
+  result.left_out.front().pairs.clear();
   const std::string text = overview(experiment, result);
   CHECK(has(text, "not tested"));
   CHECK_FALSE(has(text, "costs ×"));
   CHECK_FALSE(has(text, "leave out"));
-  CHECK(has(text, "trellis run --ablation 1, or trellis sweep --ablate, tests which levels pay"));
-  experiment.ablation = 1.0;
-  CHECK(has(overview(experiment, result), "--ablation 4 allows more work"));
+  CHECK(has(text, "trellis run --ablation 2, or trellis sweep --ablate, tests which levels pay"));
+}
+
+TEST_CASE("a verdict that is not shown says that the budget is spent", "[report][verdict]") {
+  auto [experiment, result] = fixture::passage();
+  experiment.ablation = 2.0;
+  result.left_out[1].pairs.resize(5);
+  const std::string text = overview(experiment, result);
+  CHECK(has(text, "budget spent: --ablation 4"));
+  CHECK(has(text, "--ablation 4 allows more work"));
 }
 
 TEST_CASE("advice to leave a level out comes from runs without it", "[report][verdict]") {
@@ -176,8 +177,9 @@ TEST_CASE("an anytime planner is compared by its first path", "[report][verdict]
   CHECK(has(text, "improvement"));
   CHECK_FALSE(has(text, "warning"));
   const auto [before, unchanged] = fixture::passage();
-  CHECK(guide_verdicts(facts_of(experiment, result), false)[2].verdict.costs->ratio.value ==
-        guide_verdicts(facts_of(before, unchanged), false)[2].verdict.costs->ratio.value);
+  const auto compared = whole_verdict(facts_of(experiment, result), "simple_passage", "nested");
+  CHECK(compared->verdict.ratio.median.lo ==
+        whole_verdict(facts_of(before, unchanged), "simple_passage", "nested")->verdict.ratio.median.lo);
   CHECK_FALSE(has(overview(before, unchanged), "first path"));
 }
 
@@ -245,9 +247,8 @@ TEST_CASE("a strategy of the experiment without a level is its ablation", "[repo
   const auto found = guide_verdicts(facts_of(experiment, result), false);
   REQUIRE(found.size() == 5);
   CHECK(found[1].key == "0/0/0");
-  REQUIRE(found[1].verdict.costs.has_value());
-  CHECK(found[1].verdict.costs->ratio.value == 0.5);
-  CHECK(found[1].verdict.costs->holm_p < 0.001);
+  CHECK(found[1].verdict.kind == Verdict::Kind::pays);
+  CHECK(found[1].verdict.ratio.median.lo == 0.5);
   for (const std::size_t i : {0U, 2U, 3U, 4U}) CHECK(found[i].verdict.kind == Verdict::Kind::not_tested);
   CHECK(has(overview(experiment, result), "pays ×0.5"));
 
@@ -258,8 +259,7 @@ TEST_CASE("a strategy of the experiment without a level is its ablation", "[repo
   single.seeds = experiment.seeds;
   const auto alone = guide_verdicts(facts_of(single, result), false);
   REQUIRE(alone.size() == 1);
-  REQUIRE(alone[0].verdict.costs.has_value());
-  CHECK(alone[0].verdict.costs->pairs == 15);
+  CHECK(alone[0].verdict.counts.pairs == 15);
 }
 
 TEST_CASE("the baseline is the one that is named, else the first without a guide, else the first", "[report]") {

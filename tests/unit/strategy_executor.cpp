@@ -437,6 +437,11 @@ TEST_CASE("a run ends at its limit of work, and its set-up is counted for it alo
   CHECK(same.validity_checks == whole.validity_checks);
   CHECK(same.work == whole.work);
   if (whole.bounded.guides_set_up) CHECK(whole.set_up > whole.bounded.set_up);
+  const auto half =
+      execute(strategy, test::cup_problem(), 1, {.measured = false, .check_limit = whole.validity_checks / 2});
+  CHECK(half.status == Status::interrupted);
+  CHECK(half.validity_checks >= whole.validity_checks / 2);
+  CHECK(half.validity_checks < whole.validity_checks);
 }
 
 TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {

@@ -416,6 +416,7 @@ class Verbs {
       throw Error(fmt::format("ablate: the strategy '{}' has no guide that could be taken out", strategy.text()));
     }
     trellis::ablate(experiment, {name});
+    experiment.ablation = dsl::default_ablation;
     return report(experiment);
   }
 

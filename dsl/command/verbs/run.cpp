@@ -539,7 +539,7 @@ void add_run(CommandLine& line) {
   verb.flag("--ablate", options->ablate,
             "run every strategy with each of its guides taken out, too, and list and score these strategies");
   verb.number("--ablation", "TIMES", 0.0, options->ablation,
-              "the work for the verdicts on levels, as a multiple of the experiment's (default 1); 0: none");
+              "the work for the verdicts on levels, as a multiple of the experiment's (default 2); 0: none");
   verb.text("--json", "FILE", options->json, "write all figures to a file");
   verb.text("--csv", "FILE", options->csv, "write a table of the runs to a file, a row for each");
   verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");

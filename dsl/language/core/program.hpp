@@ -33,7 +33,7 @@ struct Program {
 };
 
 /// Experiment::ablation of scripts that do not set it.
-inline constexpr double default_ablation = 1.0;
+inline constexpr double default_ablation = 2.0;
 inline constexpr std::uint64_t most_seeds = trial::most_seeds;
 /// Lua's largest integer.
 inline constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());

@@ -139,9 +139,6 @@ RunFacts facts_of(const RunResult& run);
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,
                                           const std::string& strategy);
 
-/// A run without a guide ends after so many times the work of the run with it.
-inline constexpr double most_left_out_work = 20.0;
-
 struct ExperimentResult {
   std::vector<RunResult> runs;         ///< by problem, strategy, seed, for any number of threads
   std::vector<PooledScores> pooled;    ///< by problem, strategy and level; none without two seeds and a path

@@ -150,14 +150,22 @@ struct PooledScores {
   Scores scores;
 };
 
-/// The costs of a strategy without one of its guides on a problem: runs that are not scored (Experiment::ablation).
+/// Validity checks until the first path, with and without a part of a strategy, on one seed.
+struct TestedPair {
+  std::uint64_t seed = 0;
+  CensoredCost with;
+  CensoredCost without;
+};
+
+/// A strategy with and without one of its guides on a problem: runs that are not scored (Experiment::ablation).
 struct LeftOut {
   std::string problem;
   std::string strategy;  ///< the name of the complete strategy
   std::string key;       ///< of the guide, Ablation::key
-  /// Validity checks until the first path, on the first seeds of the experiment; on fewer than `least_tested_seeds`:
-  /// none. A run that was cut off at `most_left_out_work` counts as unsolved.
-  std::vector<CensoredCost> costs;
+  /// In the order of the test: the seeds of the experiment, then the next ones. Without the pairs of which the
+  /// experiment has both runs; none where the strategy cannot be set up without the guide.
+  std::vector<TestedPair> pairs = {};
+  double work = 0.0;  ///< of the runs that the experiment does not have
 };
 
 /// The costs of a strategy that divides a team on a problem in which some robots pass through each other: runs that are
@@ -168,9 +176,10 @@ struct Uncoupled {
   /// The numbers of the robots: of two, that pass through each other; of one, that passes through all others; none:
   /// all pass through all.
   std::vector<std::size_t> robots;
-  /// As LeftOut::costs. A run counts as solved where its path is certified among all robots.
-  std::vector<CensoredCost> costs;
-  /// Where all pass through all: for each seed the pairs of robots, by their numbers, that touch on the path found.
+  /// As LeftOut::pairs. A run without the coupling counts as solved where its path is certified among all robots.
+  std::vector<TestedPair> pairs = {};
+  double work = 0.0;  ///< as LeftOut::work
+  /// Where all pass through all: for each pair the pairs of robots, by their numbers, that touch on the path found.
   std::vector<std::vector<std::vector<std::size_t>>> touching = {};
 };
 

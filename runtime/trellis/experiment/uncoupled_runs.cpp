@@ -7,9 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/base/parallel.hpp>
-#include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/left_out.hpp>
+#include <trellis/experiment/sequential_runs.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/team.hpp>
 #include <trellis/instance/path_fault.hpp>
@@ -29,12 +28,15 @@ bool divides_team(const GuideSpec& guide) {
 }
 
 /// A strategy on a problem in which some robots pass through each other.
-struct Test {
+struct Coupling {
   std::size_t strategy = 0;
-  std::vector<std::size_t> robots;  ///< Uncoupled::robots
-  Problem problem;
-  std::vector<CensoredCost> costs = {};
+  std::vector<std::size_t> robots;                                   ///< Uncoupled::robots
   std::vector<std::vector<std::vector<std::size_t>>> touching = {};  ///< Uncoupled::touching
+};
+/// The couplings of a stage, with their tests.
+struct Stage {
+  std::vector<Coupling> couplings;
+  std::vector<SequentialTest> tests;
 };
 
 /// Returns the pairs of robots, by their numbers, that touch on a path.
@@ -67,56 +69,52 @@ class ProblemUncoupled {
   ProblemUncoupled(const Experiment& experiment, const ExperimentResult& result, std::size_t problem,
                    const ExperimentOptions& options)
       : experiment_(experiment),
-        options_(options),
         problem_(experiment.problems[problem]),
-        first_run_(&result.runs[problem * experiment.strategies.size() * experiment.seeds.size()]),
-        left_(ablation_budget(experiment, result, problem_.name)) {
+        runs_(experiment, result, problem, options, ablation_budget(experiment, result, problem_.name)) {
     for (const TeamMember& member : problem_.scene->members()) numbers_.push_back(member.number);
   }
 
   std::vector<Uncoupled> run() {
-    std::vector<std::size_t> dividing;
+    Stage of_all;
     for (std::size_t s = 0; s < experiment_.strategies.size() && numbers_.size() > 1; ++s) {
       const auto& [name, strategy] = experiment_.strategies[s];
-      if (!is_ablation(experiment_, name) && trellis::divides_team(strategy)) dividing.push_back(s);
+      if (!is_ablation(experiment_, name) && trellis::divides_team(strategy)) add(s, {}, of_all);
     }
-    std::vector<Test> of_all;
-    for (const std::size_t s : dividing) add(s, {}, of_all);
-    if (!of_all.empty() && run_stage(of_all)) {
-      // Of two robots there is one pair.
-      std::vector<Test> of_robots;
-      for (const Test& all : of_all) {
-        if (!needed(all) || numbers_.size() == 2) continue;
-        for (const std::size_t number : numbers_) add(all.strategy, {number}, of_robots);
-      }
-      if (!of_robots.empty() && run_stage(of_robots)) {
-        std::vector<Test> of_pairs;
-        for (std::size_t i = 0; i < of_robots.size(); ++i) {
-          for (std::size_t k = i + 1; k < of_robots.size(); ++k) {
-            if (of_robots[i].strategy != of_robots[k].strategy) continue;
-            if (!needed(of_robots[i]) || !needed(of_robots[k])) continue;
-            add(of_robots[i].strategy, {of_robots[i].robots.front(), of_robots[k].robots.front()}, of_pairs);
-          }
-        }
-        if (!of_pairs.empty()) run_stage(of_pairs);
-        std::move(of_pairs.begin(), of_pairs.end(), std::back_inserter(of_robots));
-      }
-      std::move(of_robots.begin(), of_robots.end(), std::back_inserter(of_all));
+    run_stage(of_all);
+    // Of two robots there is one pair.
+    Stage of_robots;
+    for (std::size_t i = 0; i < of_all.tests.size(); ++i) {
+      if (!needed(of_all.tests[i]) || numbers_.size() == 2) continue;
+      for (const std::size_t number : numbers_) add(of_all.couplings[i].strategy, {number}, of_robots);
     }
-    std::stable_sort(of_all.begin(), of_all.end(),
-                     [](const Test& a, const Test& b) { return a.strategy < b.strategy; });
+    run_stage(of_robots);
+    Stage of_pairs;
+    for (std::size_t i = 0; i < of_robots.tests.size(); ++i) {
+      for (std::size_t k = i + 1; k < of_robots.tests.size(); ++k) {
+        const Coupling& one = of_robots.couplings[i];
+        const Coupling& other = of_robots.couplings[k];
+        if (one.strategy != other.strategy || !needed(of_robots.tests[i]) || !needed(of_robots.tests[k])) continue;
+        add(one.strategy, {one.robots.front(), other.robots.front()}, of_pairs);
+      }
+    }
+    run_stage(of_pairs);
     std::vector<Uncoupled> found;
-    found.reserve(of_all.size());
-    for (Test& test : of_all) {
-      found.push_back({problem_.name, experiment_.strategies[test.strategy].first, std::move(test.robots),
-                       std::move(test.costs), std::move(test.touching)});
+    for (std::size_t s = 0; s < experiment_.strategies.size(); ++s) {
+      for (Stage* stage : {&of_all, &of_robots, &of_pairs}) {
+        for (std::size_t i = 0; i < stage->tests.size(); ++i) {
+          if (stage->tests[i].strategy != s) continue;
+          found.push_back({problem_.name, experiment_.strategies[s].first, std::move(stage->couplings[i].robots),
+                           std::move(stage->tests[i].pairs), stage->tests[i].work,
+                           std::move(stage->couplings[i].touching)});
+        }
+      }
     }
     return found;
   }
 
  private:
   /// Adds a test of some robots, unless their scene cannot be changed.
-  void add(std::size_t strategy, std::vector<std::size_t> robots, std::vector<Test>& tests) const {
+  void add(std::size_t strategy, std::vector<std::size_t> robots, Stage& stage) const {
     std::vector<RobotPair> pairs;
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
       for (std::size_t k = i + 1; k < numbers_.size(); ++k) {
@@ -126,74 +124,32 @@ class ProblemUncoupled {
     }
     Problem problem = problem_;
     problem.scene = uncoupled(*problem_.scene, pairs);
-    if (problem.scene) tests.push_back({strategy, std::move(robots), std::move(problem)});
+    if (!problem.scene) return;
+    stage.couplings.push_back({strategy, std::move(robots)});
+    stage.tests.push_back({strategy, experiment_.strategies[strategy].second, std::move(problem)});
   }
 
-  [[nodiscard]] const RunRecord& complete(const Test& test, std::size_t seed) const {
-    return first_run_[test.strategy * experiment_.seeds.size() + seed].run;
-  }
   /// Whether some seed is solved only where the robots do not pass through each other.
-  [[nodiscard]] bool needed(const Test& test) const {
-    for (std::size_t i = 0; i < test.costs.size(); ++i) {
-      if (complete(test, i).solved && !test.costs[i].solved) return true;
-    }
-    return false;
-  }
-
-  /// Returns whether the work that is left sufficed.
-  bool run_stage(std::vector<Test>& tests) {
-    double spent = 0.0;
-    std::size_t tested = 0;
-    while (tested < experiment_.seeds.size() && spent < left_) {
-      spent += run_seed(tested++, tests);
-      // An estimate for as many seeds as a verdict takes.
-      const auto seeds = static_cast<double>(std::max(tested, least_tested_seeds));
-      if (tested < least_tested_seeds && spent / static_cast<double>(tested) * seeds > left_) break;
-    }
-    left_ -= spent;
-    if (tested >= least_tested_seeds) return true;
-    for (Test& test : tests) {
-      test.costs.clear();
-      test.touching.clear();
-    }
-    return false;
-  }
-
-  /// Returns the work of all runs on the seed.
-  double run_seed(std::size_t seed, std::vector<Test>& tests) {
-    std::vector<double> work(tests.size(), 0.0);
-    std::vector<CensoredCost> costs(tests.size());
-    std::vector<std::vector<std::vector<std::size_t>>> touching(tests.size());
-    in_parallel(tests.size(), options_.jobs, [&](std::size_t i) {
-      const Test& test = tests[i];
-      const auto interrupted = [this] { return options_.interrupted && options_.interrupted(); };
-      if (interrupted()) throw Interrupted();
-      const RunRecord run =
-          execute(experiment_.strategies[test.strategy].second, test.problem, experiment_.seeds[seed],
-                  {.interrupted = options_.interrupted,
-                   .measured = false,
-                   .threads = options_.threads,
-                   .work_limit = most_left_out_work * complete(test, seed).work + companion_constant.work});
-      if (interrupted()) throw Interrupted();
-      work[i] = run.work;
-      costs[i] = {static_cast<double>(run.validity_checks - run.improvement_checks),
-                  run.solved && path_fault(problem_, run.path).empty()};
-      if (test.robots.empty()) touching[i] = touching_on(problem_, run.path);
+  [[nodiscard]] static bool needed(const SequentialTest& test) {
+    return std::any_of(test.pairs.begin(), test.pairs.end(), [](const TestedPair& pair) {
+      return pair.with.solved && !pair.without.solved && !pair.without.cut_off;
     });
-    double sum = 0.0;
-    for (std::size_t i = 0; i < tests.size(); ++i) {
-      sum += work[i];
-      tests[i].costs.push_back(costs[i]);
-      if (tests[i].robots.empty()) tests[i].touching.push_back(std::move(touching[i]));
-    }
-    return sum;
+  }
+
+  void run_stage(Stage& stage) {
+    const auto cost = [&](std::size_t i, const RunRecord& run) {
+      CensoredCost found = first_path_cost(run);
+      if (found.solved) found.solved = path_fault(problem_, run.path).empty();
+      if (stage.couplings[i].robots.empty()) stage.couplings[i].touching.push_back(touching_on(problem_, run.path));
+      return found;
+    };
+    const auto ratio = [](const TestedPair& pair) { return solved_bracket(pair.with, pair.without); };
+    runs_.run(stage.tests, {.cost = cost, .ratio = ratio});
   }
 
   const Experiment& experiment_;
-  const ExperimentOptions& options_;
   const Problem& problem_;
-  const RunResult* first_run_;
-  double left_;  ///< of the budget
+  SequentialRuns runs_;
   std::vector<std::size_t> numbers_;
 };
 
@@ -205,7 +161,7 @@ bool divides_team(const StrategySpec& strategy) {
 
 void run_uncoupled(const Experiment& experiment, ExperimentResult& result, const ExperimentOptions& options) {
   result.uncoupled.clear();
-  if (experiment.ablation <= 0.0 || experiment.seeds.size() < least_tested_seeds) return;
+  if (experiment.ablation <= 0.0) return;
   for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
     std::vector<Uncoupled> found = ProblemUncoupled(experiment, result, p, options).run();
     std::move(found.begin(), found.end(), std::back_inserter(result.uncoupled));

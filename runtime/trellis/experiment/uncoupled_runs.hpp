@@ -12,10 +12,9 @@ bool divides_team(const StrategySpec& strategy);
 
 /// Runs each strategy of an experiment that divides a team with all robots passing through each other; where such paths
 /// do not always serve, with each robot passing through the others; then with each two of the robots that need the
-/// others. Each stage runs seed by seed in the order of the experiment, while the work is below `ablation_budget` for
-/// all of a problem; where that does not suffice for `least_tested_seeds`, the costs of the stage remain empty, and no
-/// further one begins. A run counts as solved where its path is certified among all robots. The result does not depend
-/// on the number of threads.
+/// others. Sequential tests decide each stage (SequentialRuns), with what is left of `ablation_budget` on a problem. A
+/// run counts as solved where its path is certified among all robots. The result does not depend on the number of
+/// threads.
 /// \param result  has the runs of the experiment; receives the costs
 /// \throws Interrupted
 void run_uncoupled(const Experiment& experiment, ExperimentResult& result, const ExperimentOptions& options);

@@ -408,6 +408,11 @@ std::string level_table(const StrategySummary& of, bool measured) {
   for (const GuideVerdict& part : of.parts) {
     parts += fmt::format("<p class=\"muted\">{}: {}</p>\n", escaped(part.guide), escaped(verdict_text(part.verdict)));
   }
+  if (of.whole && of.whole->verdict.kind != Verdict::Kind::not_shown) {
+    parts += fmt::format("<p class=\"muted\">all guides together: {}, against {}</p>\n",
+                         escaped(verdict_text(of.whole->verdict)), escaped(of.whole->reference));
+  }
+  if (judged) parts += fmt::format("<p class=\"muted\">{}</p>\n", escaped(verdicts_note()));
   return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}{}{}",
                      heading("level", columns), body, marks.text(), parts,
                      beside.empty() ? "" : fmt::format("<p class=\"muted\">{}</p>\n", escaped(beside)),
@@ -603,13 +608,13 @@ std::string couplings_table(const StrategySummary& of) {
   if (of.couplings.empty()) return "";
   std::string body;
   for (const CouplingSummary& one : of.couplings) {
-    const auto& solved = one.verdict.costs;
+    const bool tested = one.pairs > 0;
     body +=
         fmt::format(R"(<tr><th scope="row">{}</th>)", escaped(one.name())) + cell(escaped(coupling_text(one))) +
         cell(fmt::format("{}/{}", one.conflicts, one.runs)) +
-        cell(solved ? fmt::format("{}/{}", solved->reference_solved, solved->pairs) : "–") +
+        cell(tested ? fmt::format("{}/{}", one.solved_without, one.pairs) : "–") +
         cell(one.needed.n > 0 ? fmt::format("{} % ({})", percent(one.needed.value), wilson_text(one.needed)) : "–") +
-        cell(one.costs ? ratio_word(one.costs->ratio.value) : "–") + "</tr>\n";
+        cell(tested ? median_word(one.check_ratio.median) : "–") + "</tr>\n";
   }
   const std::vector<Columns> columns = {
       {"", {"coordination"}}, {"passing through each other", {"conflicts", "solved"}}, {"", {"needed", "× checks"}}};

@@ -17,6 +17,7 @@ namespace trellis {
 struct CensoredCost {
   double spent = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run has no such value
   bool solved = false;
+  bool cut_off = false;  ///< it was stopped at `spent`, and might have found a path
   [[nodiscard]] double cost() const { return solved ? spent : std::numeric_limits<double>::infinity(); }
 };
 
@@ -65,8 +66,5 @@ struct PairedCosts {
 };
 /// \throws Error for lists of different lengths.
 PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const CensoredCost> reference);
-
-/// A sign test of fewer pairs is never significant at 5 %.
-inline constexpr std::size_t least_tested_seeds = 6;
 
 }  // namespace trellis

@@ -15,6 +15,8 @@ namespace trellis {
 
 namespace {
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
 /// Whether all of `some` are in a group.
 bool holds(const std::vector<std::size_t>& group, const std::vector<std::size_t>& some) {
   return std::all_of(some.begin(), some.end(),
@@ -45,22 +47,19 @@ CouplingSummary coupling_of(const std::vector<const RunFacts*>& runs, const Unco
       coupling.checks += conflict.checks;
     }
   }
-  coupling.verdict.kind = Verdict::Kind::not_tested;
-  const std::size_t n = std::min(runs.size(), without.costs.size());
-  if (n == 0) return coupling;
-  std::vector<CensoredCost> with, solved_with, solved_without;
-  std::size_t solved = 0, needed = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    with.push_back(path_cost(*runs[i]));
-    solved_with.push_back({1.0, runs[i]->solved});
-    solved_without.push_back({1.0, without.costs[i].solved});
-    solved += runs[i]->solved ? 1 : 0;
-    needed += runs[i]->solved && !without.costs[i].solved ? 1 : 0;
+  std::size_t needed = 0;
+  std::vector<RatioBracket> checks;
+  for (const TestedPair& pair : without.pairs) {
+    coupling.solved += pair.with.solved ? 1 : 0;
+    coupling.solved_without += pair.without.solved ? 1 : 0;
+    needed += pair.with.solved && !pair.without.solved && !pair.without.cut_off ? 1 : 0;
+    checks.push_back(ratio_bracket(pair.with, pair.without));
   }
-  coupling.needed = wilson_interval(needed, solved);
-  coupling.needed.n = solved;
-  coupling.costs = paired_costs(with, std::vector(without.costs.begin(), without.costs.begin() + static_cast<long>(n)));
-  coupling.verdict.costs = paired_costs(solved_with, solved_without);
+  coupling.pairs = without.pairs.size();
+  if (coupling.pairs == 0) return coupling;
+  coupling.needed = wilson_interval(needed, coupling.solved);
+  coupling.needed.n = coupling.solved;
+  coupling.check_ratio = median_ratio(checks);
   return coupling;
 }
 
@@ -72,12 +71,14 @@ std::string CouplingSummary::name() const {
 }
 
 std::string coupling_text(const CouplingSummary& coupling) {
+  if (coupling.pairs > 0 && coupling.solved + coupling.solved_without == 0) {
+    return fmt::format("not shown: no path on {}", plural(coupling.pairs, "seed"));
+  }
   switch (coupling.verdict.kind) {
     case Verdict::Kind::pays: return "needed";
     case Verdict::Kind::costs: return "hinders";
-    case Verdict::Kind::not_shown:
-      if (coupling.needed.value == 0.0 && coupling.needed.n >= least_tested_seeds) return "not needed";
-      return verdict_text(coupling.verdict);
+    case Verdict::Kind::no_difference:
+    case Verdict::Kind::changes_nothing: return coupling.needed.value > 0.0 ? "mostly not needed" : "not needed";
     default: return verdict_text(coupling.verdict);
   }
 }
@@ -90,27 +91,35 @@ const std::array<const char*, 5>& resolved_names() {
 std::vector<CouplingSummary> couplings_of(const ExperimentFacts& experiment, const std::string& problem,
                                           const std::string& strategy) {
   std::vector<CouplingSummary> found;
+  std::vector<const Uncoupled*> tested;
   const std::vector<const RunFacts*> runs = experiment.select(problem, strategy);
   const auto of_strategy = [&](const Uncoupled& one) { return one.problem == problem && one.strategy == strategy; };
   const auto all = std::find_if(experiment.uncoupled.begin(), experiment.uncoupled.end(),
                                 [&](const Uncoupled& one) { return of_strategy(one) && one.robots.empty(); });
   if (all == experiment.uncoupled.end()) return found;
   for (const Uncoupled& without : experiment.uncoupled) {
-    if (of_strategy(without)) found.push_back(coupling_of(runs, without, *all));
+    if (!of_strategy(without)) continue;
+    found.push_back(coupling_of(runs, without, *all));
+    tested.push_back(&without);
   }
   for (std::size_t robots = 0; robots <= 2; ++robots) {
     std::vector<CouplingSummary*> rows;
-    std::vector<double> p;
-    for (CouplingSummary& one : found) {
-      if (one.robots.size() != robots || !one.verdict.costs) continue;
-      rows.push_back(&one);
-      p.push_back(one.verdict.costs->sign_p);
+    std::vector<std::vector<RatioBracket>> ratios;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found[i].robots.size() != robots) continue;
+      rows.push_back(&found[i]);
+      ratios.emplace_back();
+      for (const TestedPair& pair : tested[i]->pairs) ratios.back().push_back(solved_bracket(pair.with, pair.without));
     }
-    p = holm(p);
+    const std::vector<SequentialDecision> decisions = decide_in_rounds(ratios);
+    const auto tests = static_cast<std::size_t>(
+        std::count_if(ratios.begin(), ratios.end(), [](const auto& of) { return !of.empty(); }));
     for (std::size_t i = 0; i < rows.size(); ++i) {
       Verdict& verdict = rows[i]->verdict;
-      verdict.costs->holm_p = p[i];
-      verdict = verdict_of(*verdict.costs, rows.size());
+      verdict = verdict_of(decisions[i], ratios[i], tests, tests);
+      verdict.ratio = {};
+      const bool spent = ratios[i].size() < most_tested_pairs(experiment.seeds.size());
+      if (verdict.kind == Verdict::Kind::not_shown && spent) verdict.more_ablation = 2.0 * experiment.ablation;
     }
   }
   return found;
@@ -126,11 +135,11 @@ std::string couplings_csv(const ExperimentSummary& experiment) {
                             fmt::join(one.robots, " "), one.runs, one.conflicts);
         for (const std::size_t count : one.resolved) rows += fmt::format(",{}", count);
         rows += fmt::format(",{}", one.checks);
-        const auto& solved = one.verdict.costs;
-        rows += solved ? fmt::format(",{},{},{}", solved->pairs, solved->solved, solved->reference_solved) : ",,,";
+        rows += one.pairs > 0 ? fmt::format(",{},{},{}", one.pairs, one.solved, one.solved_without) : ",,,";
         for (const double x : {one.needed.value, one.needed.lo, one.needed.hi}) rows += ',' + number(x);
-        const Interval ratio = one.costs ? one.costs->ratio : Interval();
-        for (const double x : {ratio.value, ratio.lo, ratio.hi}) rows += ',' + number(x);
+        const RatioBracket median = one.pairs > 0 ? one.check_ratio.median : RatioBracket{nan, nan};
+        const RatioBracket interval = one.pairs > 0 ? one.check_ratio.interval : RatioBracket{nan, nan};
+        for (const double x : {median.lo, median.hi, interval.lo, interval.hi}) rows += ',' + number(x);
         rows += ',' + csv_text(coupling_text(one)) + '\n';
       }
     }
@@ -139,8 +148,8 @@ std::string couplings_csv(const ExperimentSummary& experiment) {
   std::string header = "problem,strategy,robots,runs,conflicts";
   for (const char* name : resolved_names()) header += fmt::format(",{}", name);
   return header +
-         ",conflict_checks,seeds,solved,solved_without,needed,needed_lo,needed_hi,check_ratio,check_ratio_lo,"
-         "check_ratio_hi,verdict\n" +
+         ",conflict_checks,seeds,solved,solved_without,needed,needed_lo,needed_hi,median_ratio_lo,"
+         "median_ratio_hi,ratio_lo,ratio_hi,verdict\n" +
          rows;
 }
 

@@ -26,18 +26,21 @@ struct CouplingSummary {
   /// other, among those that are solved at all where they must not touch; Wilson's interval. `n` is the latter's
   /// number.
   Interval needed;
-  /// Validity checks with the coupling and without it, paired by seed; a path that touches counts as none. None
-  /// without such runs.
-  std::optional<PairedCosts> costs;
-  /// Of the sign test of solved seeds, corrected by Holm over the couplings of as many robots: `pays` where
-  /// coordination is needed, `costs` where more seeds are solved without it. Its costs are 1 for each seed solved.
+  std::size_t pairs = 0;           ///< seeds with both runs
+  std::size_t solved = 0;          ///< of these, with the coupling
+  std::size_t solved_without = 0;  ///< of these, where the robots pass through each other
+  /// The ratio of the validity checks with the coupling to those without it; a path that touches counts as none.
+  MedianRatio check_ratio;
+  /// Of a sequential test of solved seeds, a family with the couplings of as many robots: `pays` where coordination is
+  /// needed, `costs` where more seeds are solved without it. It has no ratio.
   Verdict verdict;
 
   /// "robots 1, 2", "robot 3", "all robots".
   [[nodiscard]] std::string name() const;
 };
 
-/// "needed", "not needed" (in no seed), "hinders", "not shown (11 seeds; ~14 would show it)", "not tested".
+/// "needed", "not needed" (in no seed), "mostly not needed", "hinders", "not shown (11 seeds); ~14 seeds would probably
+/// show it", "not tested".
 std::string coupling_text(const CouplingSummary& coupling);
 
 /// Returns the names of what may become of a conflict, by TeamConflict::Resolved: "none", "schedule", ...

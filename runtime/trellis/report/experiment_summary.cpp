@@ -34,6 +34,21 @@ std::vector<std::string> estimators_of(const ExperimentFacts& experiment) {
   return estimators;
 }
 
+/// Returns the verdict on the guide that an ablation is without. None where the guide's own guides are left out too.
+std::optional<Verdict> left_out_verdict(const ExperimentFacts& experiment, const std::vector<GuideVerdict>& verdicts,
+                                        const std::string& problem, const StrategyFacts& ablation) {
+  for (const StrategyFacts& whole : experiment.strategies) {
+    if (whole.name != ablation.of) continue;
+    for (const GuideFacts& guide : whole.guides) {
+      if (guide.equal != ablation.name) continue;
+      for (const GuideVerdict& one : verdicts) {
+        if (one.problem == problem && one.strategy == whole.name && one.key == guide.key) return one.verdict;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 /// Summarises the strategies on a problem or, with "", on all.
 /// \param verdicts     of all guides
 /// \param comparisons  of all problems
@@ -43,9 +58,13 @@ ProblemSummary summarise_problem(const ExperimentFacts& experiment, const std::s
   ProblemSummary summary;
   summary.problem = problem;
   for (const StrategyFacts& strategy : experiment.strategies) {
-    StrategySummary one{strategy.name, summarise(experiment, problem, strategy.name), {}, {}, {}, {}};
+    StrategySummary one;
+    one.strategy = strategy.name;
+    one.runs = summarise(experiment, problem, strategy.name);
     one.verdicts = level_verdicts(verdicts, problem, strategy.name, one.runs);
     one.parts = part_verdicts(verdicts, problem, strategy.name, one.runs);
+    one.whole = whole_verdict(experiment, problem, strategy.name);
+    one.left_out = left_out_verdict(experiment, verdicts, problem, strategy);
     one.unsolved = unsolved_text(experiment.select(problem, strategy.name));
     one.couplings = couplings_of(experiment, problem, strategy.name);
     summary.strategies.push_back(std::move(one));

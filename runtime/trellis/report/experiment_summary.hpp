@@ -16,8 +16,11 @@ namespace trellis {
 struct StrategySummary {
   std::string strategy;
   RunsSummary runs;
-  std::vector<Verdict> verdicts;           ///< on its levels; empty for an ablation
-  std::vector<GuideVerdict> parts;         ///< on its guides without a level
+  std::vector<Verdict> verdicts;      ///< on its levels; empty for an ablation
+  std::vector<GuideVerdict> parts;    ///< on its guides without a level
+  std::optional<WholeVerdict> whole;  ///< on all of its guides together
+  /// Of an ablation: the verdict on the guide that it is without.
+  std::optional<Verdict> left_out;
   std::string unsolved;                    ///< why runs found no path, "" where all did
   std::vector<CouplingSummary> couplings;  ///< of a guide that divides a team; none on all problems together
 };

@@ -186,12 +186,27 @@ Json comparison_json(const Comparison& c) {
           {"expansion_D_eps", paired_json(c.expansion)}};
 }
 
+Json bracket_json(const RatioBracket& bracket) { return {{"lo", number(bracket.lo)}, {"hi", number(bracket.hi)}}; }
+Json ratio_json(const MedianRatio& ratio) {
+  return {{"median", bracket_json(ratio.median)}, {"interval", bracket_json(ratio.interval)}};
+}
+
 /// null for levels without a verdict: the root, and an ablation's levels.
 Json verdict_json(const Verdict& verdict) {
   if (verdict.kind == Verdict::Kind::none) return nullptr;
+  const PairCounts& counts = verdict.counts;
   return {{"verdict", verdict_word(verdict)},
-          {"costs", verdict.costs ? paired_json(*verdict.costs) : Json(nullptr)},
+          {"text", verdict_text(verdict)},
+          {"ratio", counts.pairs > 0 ? ratio_json(verdict.ratio) : Json(nullptr)},
+          {"pairs", counts.pairs},
+          {"less", counts.less},
+          {"greater", counts.greater},
+          {"equal", counts.equal},
+          {"e_less", e_value(counts.less, counts.greater)},
+          {"e_greater", e_value(counts.greater, counts.less)},
+          {"tests", verdict.tests},
           {"pairs_needed", verdict.pairs_needed > 0 ? Json(verdict.pairs_needed) : Json(nullptr)},
+          {"budget_spent", verdict.more_ablation > 0.0},
           {"together", verdict.together},
           {"explained_by", verdict.reason.empty() ? Json(nullptr) : Json(verdict.reason)}};
 }
@@ -240,10 +255,11 @@ Json coupling_json(const CouplingSummary& coupling) {
             {"lo", number(coupling.needed.lo)},
             {"hi", number(coupling.needed.hi)},
             {"n", coupling.needed.n}}},
-          {"check_ratio", coupling.costs ? median_json(coupling.costs->ratio) : Json(nullptr)},
-          {"costs", coupling.costs ? paired_json(*coupling.costs) : Json(nullptr)},
-          {"verdict", coupling_text(coupling)},
-          {"solved", coupling.verdict.costs ? paired_json(*coupling.verdict.costs) : Json(nullptr)}};
+          {"check_ratio", coupling.pairs > 0 ? ratio_json(coupling.check_ratio) : Json(nullptr)},
+          {"pairs", coupling.pairs},
+          {"solved", coupling.solved},
+          {"solved_without", coupling.solved_without},
+          {"verdict", coupling_text(coupling)}};
 }
 
 Json summary_json(const StrategySummary& of, const Json& problem) {
@@ -346,9 +362,16 @@ std::string lines(const std::vector<Json>& entries) {
   return out + (entries.empty() ? "]" : "\n ]");
 }
 
-Json costs_json(const std::vector<CensoredCost>& costs) {
+Json cost_json(const CensoredCost& cost) {
+  Json out = {{"validity_checks", cost.spent}, {"solved", cost.solved}};
+  if (cost.cut_off) out["cut_off"] = true;
+  return out;
+}
+Json pairs_json(const std::vector<TestedPair>& pairs) {
   Json out = Json::array();
-  for (const CensoredCost& cost : costs) out.push_back({{"validity_checks", cost.spent}, {"solved", cost.solved}});
+  for (const TestedPair& pair : pairs) {
+    out.push_back({{"seed", pair.seed}, {"with", cost_json(pair.with)}, {"without", cost_json(pair.without)}});
+  }
   return out;
 }
 
@@ -378,15 +401,19 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
   for (const PooledScores& one : experiment.pooled) pooled.push_back(json::pooled(one));
   std::vector<Json> left_out;
   for (const LeftOut& one : experiment.left_out) {
-    left_out.push_back(
-        {{"problem", one.problem}, {"strategy", one.strategy}, {"key", one.key}, {"costs", costs_json(one.costs)}});
+    left_out.push_back({{"problem", one.problem},
+                        {"strategy", one.strategy},
+                        {"key", one.key},
+                        {"work", one.work},
+                        {"pairs", pairs_json(one.pairs)}});
   }
   std::vector<Json> uncoupled;
   for (const Uncoupled& one : experiment.uncoupled) {
     uncoupled.push_back({{"problem", one.problem},
                          {"strategy", one.strategy},
                          {"robots", one.robots},
-                         {"costs", costs_json(one.costs)}});
+                         {"work", one.work},
+                         {"pairs", pairs_json(one.pairs)}});
     if (one.robots.empty()) uncoupled.back()["touching"] = one.touching;
   }
   std::vector<Json> obstructions;

@@ -262,8 +262,12 @@ class Tables {
         add(problem.name, name, "", "", "", "length", summary.length);
         add(problem.name, name, "", "", "", "validity_checks", summary.validity_checks);
         for (const GuideVerdict& one : verdicts) {
-          if (one.problem != problem.name || one.strategy != name || !one.verdict.costs) continue;
-          add(problem.name, name, one.guide, "", "", "checks_with_to_without", one.verdict.costs->ratio);
+          if (one.problem != problem.name || one.strategy != name) continue;
+          const auto& [median, interval] = one.verdict.ratio;
+          // The median is known where most runs without the guide were not cut off.
+          const Interval ratio{median.lo == median.hi ? median.lo : std::numeric_limits<double>::quiet_NaN(),
+                               interval.lo, interval.hi, one.verdict.counts.pairs};
+          if (ratio.n > 0) add(problem.name, name, one.guide, "", "", "checks_with_to_without", ratio);
         }
         for (const NamedRole& role : roles()) {
           for (const NamedPath& path : paths_) {

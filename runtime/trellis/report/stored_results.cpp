@@ -12,6 +12,7 @@
 #include <trellis/report/quantities.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/run_json.hpp>
+#include <trellis/report/summary.hpp>
 
 namespace trellis {
 
@@ -47,12 +48,26 @@ PooledScores pooled_of(const Json& json) {
           .scores = {json::read_measured_set(json.at("tree")), json::read_measured_set(json.at("expansion"))}};
 }
 
-std::vector<CensoredCost> costs_of(const Json& json) {
-  std::vector<CensoredCost> costs;
-  for (const Json& cost : json.at("costs")) {
-    costs.push_back({cost.at("validity_checks").get<double>(), cost.at("solved").get<bool>()});
+CensoredCost cost_of(const Json& json) {
+  return {json.at("validity_checks").get<double>(), json.at("solved").get<bool>(), json.value("cut_off", false)};
+}
+
+/// Documents of before have the runs without alone, by seed, and do not say which of them were cut off.
+std::vector<TestedPair> pairs_of(const Json& json, const ExperimentFacts& facts) {
+  std::vector<TestedPair> pairs;
+  if (!json.contains("costs")) {
+    for (const Json& pair : json.at("pairs")) {
+      pairs.push_back({pair.at("seed").get<std::uint64_t>(), cost_of(pair.at("with")), cost_of(pair.at("without"))});
+    }
+    return pairs;
   }
-  return costs;
+  const auto runs = facts.select(json.at("problem").get<std::string>(), json.at("strategy").get<std::string>());
+  for (std::size_t i = 0; i < std::min(runs.size(), json.at("costs").size()); ++i) {
+    CensoredCost without = cost_of(json.at("costs")[i]);
+    without.cut_off = !without.solved;
+    pairs.push_back({runs[i]->seed, path_cost(*runs[i]), without});
+  }
+  return pairs;
 }
 
 void read_document(const Json& document, ExperimentFacts& facts) {
@@ -72,11 +87,13 @@ void read_document(const Json& document, ExperimentFacts& facts) {
     left.problem = one.at("problem").get<std::string>();
     left.strategy = one.at("strategy").get<std::string>();
     left.key = one.at("key").get<std::string>();
-    left.costs = costs_of(one);
+    left.work = one.value("work", 0.0);
+    left.pairs = pairs_of(one, facts);
   }
   for (const Json& one : document.value("uncoupled", Json::array())) {
     facts.uncoupled.push_back({one.at("problem").get<std::string>(), one.at("strategy").get<std::string>(),
-                               one.at("robots").get<std::vector<std::size_t>>(), costs_of(one)});
+                               one.at("robots").get<std::vector<std::size_t>>(), pairs_of(one, facts),
+                               one.value("work", 0.0)});
     if (one.contains("touching")) one.at("touching").get_to(facts.uncoupled.back().touching);
   }
 }

@@ -6,16 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/costs.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
 
 namespace {
-
-constexpr double level_of_significance = 0.05;
-constexpr double power = 0.8;
 
 Interval point(double value) {
   Interval interval;
@@ -33,68 +32,104 @@ Interval difference(const Interval& a, const Interval& b) {
   return interval;
 }
 
-/// The costs of a strategy on a problem or, with "", on all, by problem and seed.
-std::vector<std::vector<CensoredCost>> costs_of(const ExperimentFacts& experiment, const std::string& problem,
-                                                const std::string& strategy) {
-  std::vector<std::vector<CensoredCost>> costs;
-  for (const ProblemFacts& one : experiment.problems) {
-    if (!problem.empty() && one.name != problem) continue;
-    costs.emplace_back();
-    for (const RunFacts* run : experiment.select(one.name, strategy)) costs.back().push_back(path_cost(*run));
+using Ratios = std::vector<RatioBracket>;
+
+/// The ratios of a strategy to another one of the experiment on a problem, by seed.
+Ratios ratios_of_runs(const ExperimentFacts& experiment, const std::string& problem, const std::string& strategy,
+                      const std::string& reference) {
+  const auto with = experiment.select(problem, strategy);
+  const auto without = experiment.select(problem, reference);
+  Ratios ratios;
+  for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i) {
+    ratios.push_back(ratio_bracket(path_cost(*with[i]), path_cost(*without[i])));
   }
-  return costs;
+  return ratios;
 }
 
-/// The costs of a strategy without a guide, by problem and seed.
-std::vector<std::vector<CensoredCost>> costs_without(const ExperimentFacts& experiment, const std::string& problem,
-                                                     const std::string& strategy, const GuideFacts& guide) {
-  if (!guide.equal.empty()) return costs_of(experiment, problem, guide.equal);
-  std::vector<std::vector<CensoredCost>> costs;
+/// The ratios with to without a guide on a problem: those from runs of the experiment, then the others.
+Ratios ratios_of_guide(const ExperimentFacts& experiment, const std::string& problem, const std::string& strategy,
+                       const GuideFacts& guide) {
+  Ratios ratios;
+  if (!guide.equal.empty()) ratios = ratios_of_runs(experiment, problem, strategy, guide.equal);
+  for (const LeftOut& left_out : experiment.left_out) {
+    if (left_out.problem != problem || left_out.strategy != strategy || left_out.key != guide.key) continue;
+    for (const TestedPair& pair : left_out.pairs) ratios.push_back(ratio_bracket(pair.with, pair.without));
+  }
+  return ratios;
+}
+
+bool directed(SequentialDecision decision) {
+  return decision == SequentialDecision::less || decision == SequentialDecision::greater;
+}
+
+/// "[0.25, 0.40]" with a space before; "" where nothing is known.
+std::string interval_words(const RatioBracket& interval) {
+  if (interval.lo == 0.0 && std::isinf(interval.hi)) return "";
+  return fmt::format(" [{}, {}]", ratio_word(interval.lo), ratio_word(interval.hi));
+}
+
+RatioBracket inverse(const RatioBracket& ratio) {
+  const auto of = [](double x) { return x > 0.0 ? 1.0 / x : std::numeric_limits<double>::infinity(); };
+  return {of(ratio.hi), of(ratio.lo)};
+}
+
+/// Decides the guides of a strategy on a problem or, with "", on all problems together.
+void decide_guides(const ExperimentFacts& experiment, const std::string& problem, const StrategyFacts& strategy,
+                   std::vector<GuideVerdict>& found) {
+  const bool together = problem.empty();
+  std::vector<Ratios> ratios(strategy.guides.size());
+  std::size_t runs = 0;
+  std::size_t set_up = 0;
+  bool unsolved = true;
   for (const ProblemFacts& one : experiment.problems) {
-    if (!problem.empty() && one.name != problem) continue;
-    costs.emplace_back();
-    for (const LeftOut& left_out : experiment.left_out) {
-      if (left_out.problem == one.name && left_out.strategy == strategy && left_out.key == guide.key) {
-        costs.back() = left_out.costs;
-      }
+    if (!together && one.name != problem) continue;
+    const auto of_strategy = experiment.select(one.name, strategy.name);
+    const auto with_guides = static_cast<std::size_t>(std::count_if(
+        of_strategy.begin(), of_strategy.end(), [](const RunFacts* run) { return sets_up_guides(*run); }));
+    runs += of_strategy.size();
+    set_up += with_guides;
+    unsolved =
+        unsolved && std::none_of(of_strategy.begin(), of_strategy.end(), [](const auto* run) { return run->solved; });
+    if (with_guides == 0) continue;
+    for (std::size_t i = 0; i < ratios.size(); ++i) {
+      const Ratios further = ratios_of_guide(experiment, one.name, strategy.name, strategy.guides[i]);
+      ratios[i].insert(ratios[i].end(), further.begin(), further.end());
     }
   }
-  return costs;
-}
-
-/// Pairs the costs of the first seeds of each problem, as many as both have.
-std::optional<PairedCosts> pairs_of(const std::vector<std::vector<CensoredCost>>& with,
-                                    const std::vector<std::vector<CensoredCost>>& without) {
-  std::vector<CensoredCost> mine;
-  std::vector<CensoredCost> reference;
-  for (std::size_t p = 0; p < with.size(); ++p) {
-    const std::size_t n = std::min(with[p].size(), without[p].size());
-    for (std::size_t i = 0; i < n; ++i) {
-      mine.push_back(with[p][i]);
-      reference.push_back(without[p][i]);
+  std::vector<SequentialDecision> decisions(ratios.size(), SequentialDecision::open);
+  if (together) {
+    std::vector<PairCounts> counts;
+    counts.reserve(ratios.size());
+    for (const Ratios& of : ratios) counts.push_back(count_pairs(of));
+    decide(counts, decisions);
+  } else {
+    decisions = decide_in_rounds(ratios);
+  }
+  std::size_t tests = 0;
+  std::size_t undecided = 0;
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    if (ratios[i].empty()) continue;
+    ++tests;
+    undecided += directed(decisions[i]) ? 0 : 1;
+  }
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    const GuideFacts& guide = strategy.guides[i];
+    found.push_back({problem, strategy.name, guide.key, guide.guide, {}});
+    Verdict& verdict = found.back().verdict;
+    if (runs > 0 && set_up == 0) {
+      verdict.kind = Verdict::Kind::never_set_up;
+      verdict.runs = runs;
+      continue;
+    }
+    verdict = verdict_of(decisions[i], ratios[i], tests, undecided);
+    verdict.unsolved = unsolved;
+    verdict.together = together && experiment.problems.size() > 1;
+    if (verdict.kind != Verdict::Kind::not_shown) continue;
+    if (verdict.together) verdict.pairs_needed = 0;
+    if (experiment.ablation > 0.0 && !together && ratios[i].size() < most_tested_pairs(experiment.seeds.size())) {
+      verdict.more_ablation = 2.0 * experiment.ablation;
     }
   }
-  if (mine.empty()) return std::nullopt;
-  return paired_costs(mine, reference);
-}
-
-/// Log of the probability of k successes in n.
-double log_binomial(std::size_t n, std::size_t k, double p) {
-  const auto lg = [](std::size_t x) { return std::lgamma(static_cast<double>(x) + 1.0); };
-  const auto times = [](std::size_t x, double log) { return x == 0 ? 0.0 : static_cast<double>(x) * log; };
-  return lg(n) - lg(k) - lg(n - k) + times(k, std::log(p)) + times(n - k, std::log1p(-p));
-}
-
-/// Returns the probability that a two-sided sign test of n signs, each `p` likely, falls below `alpha` on their side.
-double power_of(std::size_t n, double p, double alpha) {
-  double tail = 0.0;     // of equally likely signs
-  double reached = 0.0;  // of these
-  for (std::size_t k = n; 2 * k > n; --k) {
-    tail += std::exp(log_binomial(n, k, 0.5));
-    if (2.0 * tail >= alpha) break;
-    reached += std::exp(log_binomial(n, k, p));
-  }
-  return reached;
 }
 
 /// What of the divergence of a level's samples, lifted to the root, explains the effect of its guide: the part that the
@@ -128,33 +163,71 @@ bool has_level(const RunsSummary& summary, const std::string& key) {
 
 }  // namespace
 
-std::string ratio_word(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "inf"; }
+std::string ratio_word(double ratio) {
+  if (!std::isfinite(ratio)) return "inf";
+  if (ratio >= 99.5) return fmt::format("{:.0f}", ratio);
+  // "×1" of a level that costs more would contradict itself.
+  return fmt::format(fmt::runtime(std::abs(ratio - 1.0) < 0.05 ? "{:.3g}" : "{:.2g}"), ratio);
+}
+
+std::string median_word(const RatioBracket& median) {
+  if (median.lo == median.hi) return ratio_word(median.lo);
+  if (median.lo == 0.0) return ratio_word(median.hi) + " or less";
+  if (std::isinf(median.hi)) return ratio_word(median.lo) + " or more";
+  return fmt::format("{} to {}", ratio_word(median.lo), ratio_word(median.hi));
+}
 
 std::string verdict_word(const Verdict& verdict) {
   switch (verdict.kind) {
     case Verdict::Kind::none: return "";
     case Verdict::Kind::pays: return "pays";
     case Verdict::Kind::costs: return "costs";
+    case Verdict::Kind::no_difference: return "no difference";
+    case Verdict::Kind::changes_nothing: return "changes nothing";
     case Verdict::Kind::not_shown: return "not shown";
     case Verdict::Kind::not_tested: return "not tested";
+    case Verdict::Kind::never_set_up: return "never set up";
   }
   throw Fault("unknown verdict");
 }
 
 std::string verdict_text(const Verdict& verdict) {
-  std::string text = verdict_word(verdict);
-  if (!verdict.costs) return text;
-  if (verdict.kind == Verdict::Kind::not_shown) {
-    text += " (" + plural(verdict.costs->pairs, verdict.together ? "pair" : "seed");
-    if (verdict.pairs_needed > 0) text += fmt::format("; ~{} would show it", verdict.pairs_needed);
-    return text + ")";
+  const std::string pairs = plural(verdict.counts.pairs, verdict.together ? "pair" : "seed");
+  const std::string interval = interval_words(verdict.ratio.interval);
+  const std::string reason = verdict.reason.empty() ? "" : "; " + verdict.reason;
+  switch (verdict.kind) {
+    case Verdict::Kind::pays:
+    case Verdict::Kind::costs:
+      return fmt::format("{} ×{}{} ({}{})", verdict_word(verdict), median_word(verdict.ratio.median), interval, pairs,
+                         reason);
+    case Verdict::Kind::no_difference:
+      return fmt::format("no difference above ×{}{} ({})", least_difference, interval, pairs);
+    case Verdict::Kind::changes_nothing:
+      return fmt::format("changes nothing: {} on {}", verdict.unsolved ? "no path" : "the same cost", pairs);
+    case Verdict::Kind::not_shown: {
+      std::string text = fmt::format("not shown{} ({})", interval, pairs);
+      if (verdict.more_ablation > 0.0)
+        return text + fmt::format("; budget spent: --ablation {:g}", verdict.more_ablation);
+      if (verdict.pairs_needed == 0) return text;
+      return text + fmt::format("; ~{} seeds would probably show it", verdict.pairs_needed);
+    }
+    case Verdict::Kind::never_set_up: return fmt::format("never set up ({})", plural(verdict.runs, "run"));
+    default: return verdict_word(verdict);
   }
-  const Interval& ratio = verdict.costs->ratio;
-  text += " ×" + ratio_word(ratio.value);
-  if (std::isfinite(ratio.lo) && std::isfinite(ratio.hi)) {
-    text += fmt::format(" [{:.2g}, {:.2g}]", ratio.lo, ratio.hi);
-  }
-  return verdict.reason.empty() ? text : fmt::format("{} ({})", text, verdict.reason);
+}
+
+std::string verdict_text_without(const Verdict& verdict) {
+  if (verdict.kind != Verdict::Kind::pays && verdict.kind != Verdict::Kind::costs) return verdict_text(verdict);
+  const RatioBracket median = inverse(verdict.ratio.median);
+  return median_word(median) + interval_words(inverse(verdict.ratio.interval)) +
+         (verdict.kind == Verdict::Kind::pays ? " keep it" : " leave it out");
+}
+
+std::string verdicts_note() {
+  return fmt::format(
+      "verdicts: at most {:g} % wrong verdicts for each strategy in each problem, however many seeds are added; "
+      "intervals of {:g} %",
+      100.0 * sequential_error, 100.0 * (1.0 - sequential_error));
 }
 
 const Figure& lifted_figure(const LevelSummary& level) {
@@ -169,28 +242,23 @@ bool estimate_fails(const Figure& figure) {
   });
 }
 
-std::size_t pairs_needed(const PairedCosts& costs, std::size_t tests) {
-  const std::size_t signs = costs.less + costs.greater;
-  if (signs == 0) return 0;
-  const double share =
-      (static_cast<double>(std::max(costs.less, costs.greater)) + 1.0) / (static_cast<double>(signs) + 2.0);
-  const double alpha = level_of_significance / static_cast<double>(std::max<std::size_t>(tests, 1));
-  const double untied = static_cast<double>(signs) / static_cast<double>(costs.pairs);
-  for (std::size_t pairs = costs.pairs + 1; pairs <= most_pairs; pairs += 1 + pairs / 50) {
-    const auto n = static_cast<std::size_t>(std::floor(untied * static_cast<double>(pairs)));
-    if (power_of(n, share, alpha) >= power) return pairs;
-  }
-  return 0;
-}
-
-Verdict verdict_of(const PairedCosts& costs, std::size_t tests) {
+Verdict verdict_of(SequentialDecision decision, std::span<const RatioBracket> ratios, std::size_t tests,
+                   std::size_t undecided) {
   Verdict verdict;
-  verdict.costs = costs;
-  if (costs.holm_p < level_of_significance) {
-    verdict.kind = costs.less > costs.greater ? Verdict::Kind::pays : Verdict::Kind::costs;
-  } else {
-    verdict.kind = Verdict::Kind::not_shown;
-    verdict.pairs_needed = pairs_needed(costs, tests);
+  verdict.counts = count_pairs(ratios);
+  verdict.ratio = median_ratio(ratios);
+  verdict.tests = tests;
+  switch (decision) {
+    case SequentialDecision::less: verdict.kind = Verdict::Kind::pays; break;
+    case SequentialDecision::greater: verdict.kind = Verdict::Kind::costs; break;
+    case SequentialDecision::no_difference:
+      verdict.kind =
+          verdict.counts.equal == verdict.counts.pairs ? Verdict::Kind::changes_nothing : Verdict::Kind::no_difference;
+      break;
+    case SequentialDecision::open:
+      verdict.kind = ratios.empty() ? Verdict::Kind::not_tested : Verdict::Kind::not_shown;
+      if (!ratios.empty()) verdict.pairs_needed = forecast_pairs(verdict.counts, decisive_e_value(undecided));
+      break;
   }
   return verdict;
 }
@@ -202,30 +270,37 @@ std::vector<GuideVerdict> guide_verdicts(const ExperimentFacts& experiment, bool
     problems.clear();
     for (const ProblemFacts& problem : experiment.problems) problems.push_back(problem.name);
   }
-  std::vector<double> p;
   for (const std::string& problem : problems) {
     for (const StrategyFacts& strategy : experiment.strategies) {
-      if (!strategy.ablation.empty()) continue;
-      const auto with = costs_of(experiment, problem, strategy.name);
-      for (const GuideFacts& guide : strategy.guides) {
-        found.push_back({problem, strategy.name, guide.key, guide.guide, {}});
-        Verdict& verdict = found.back().verdict;
-        verdict.kind = Verdict::Kind::not_tested;
-        verdict.costs = pairs_of(with, costs_without(experiment, problem, strategy.name, guide));
-        p.push_back(verdict.costs ? verdict.costs->sign_p : std::numeric_limits<double>::quiet_NaN());
-      }
+      if (strategy.ablation.empty()) decide_guides(experiment, problem, strategy, found);
     }
   }
-  const auto tests =
-      static_cast<std::size_t>(std::count_if(p.begin(), p.end(), [](double one) { return !std::isnan(one); }));
-  p = holm(p);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    Verdict& verdict = found[i].verdict;
-    if (!verdict.costs) continue;
-    verdict.costs->holm_p = p[i];
-    verdict = verdict_of(*verdict.costs, tests);
-    verdict.together = together && experiment.problems.size() > 1;
+  return found;
+}
+
+std::optional<WholeVerdict> whole_verdict(const ExperimentFacts& experiment, const std::string& problem,
+                                          const std::string& strategy) {
+  const auto named = [&](const std::string& name) {
+    const auto it = std::find_if(experiment.strategies.begin(), experiment.strategies.end(),
+                                 [&](const StrategyFacts& one) { return one.name == name; });
+    return it == experiment.strategies.end() ? nullptr : &*it;
+  };
+  const StrategyFacts* whole = named(strategy);
+  if (whole == nullptr || !whole->ablation.empty() || whole->guides.size() < 2) return std::nullopt;
+  const std::string planner = cost_levels(whole->text).back();
+  const auto alone = std::find_if(experiment.strategies.begin(), experiment.strategies.end(),
+                                  [&](const StrategyFacts& one) { return one.text == planner; });
+  const StrategyFacts* reference = alone != experiment.strategies.end() ? &*alone : named(experiment.baseline());
+  if (reference == nullptr || reference->guided) return std::nullopt;
+  std::vector<Ratios> ratios(1);
+  for (const ProblemFacts& one : experiment.problems) {
+    if (!problem.empty() && one.name != problem) continue;
+    const Ratios further = ratios_of_runs(experiment, one.name, strategy, reference->name);
+    ratios[0].insert(ratios[0].end(), further.begin(), further.end());
   }
+  if (ratios[0].empty()) return std::nullopt;
+  WholeVerdict found{reference->name, verdict_of(decide_in_rounds(ratios)[0], ratios[0], 1, 1)};
+  found.verdict.together = problem.empty() && experiment.problems.size() > 1;
   return found;
 }
 

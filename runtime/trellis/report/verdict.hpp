@@ -5,31 +5,38 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <trellis/measure/sequential_test.hpp>
 #include <trellis/report/summary.hpp>
 
 namespace trellis {
 
-/// The verdict on a guide of a strategy.
+/// The verdict on a part of a strategy: its guide, all of its guides, a coupling of robots.
 struct Verdict {
   enum class Kind : std::uint8_t {
-    none,        ///< there is no guide to test: the root, a half of a split search, a level of an ablation
-    pays,        ///< the strategy costs less than without it
-    costs,       ///< the strategy costs more than without it
-    not_shown,   ///< the runs show neither
-    not_tested,  ///< the strategy was not run without it
+    none,             ///< there is nothing to test: the root, a half of a split search, a level of an ablation
+    pays,             ///< the strategy costs less with the part
+    costs,            ///< the strategy costs more with it
+    no_difference,    ///< the ratio is between 1 / least_difference and least_difference
+    changes_nothing,  ///< the same, and each run costs as much as the one without
+    not_shown,        ///< the runs show neither
+    not_tested,       ///< the strategy was not run without the part
+    never_set_up,     ///< the planner solved the problem in all runs before the guides were set up
   };
   Kind kind = Kind::none;
-  /// Validity checks until the first path of the complete strategy and of the one without the guide, paired by seed:
-  /// the ratio is below 1 where the guide pays. `holm_p` is corrected over all verdicts of a report. None without such
-  /// runs.
-  std::optional<PairedCosts> costs = {};
-  /// Of a verdict that is not shown: the pairs with which the observed difference would be shown with a probability of
-  /// 80 %; 0 where that takes more than `most_pairs`.
+  /// Of the costs with the part to those without it: validity checks until the first path, paired by seed.
+  PairCounts counts;
+  MedianRatio ratio;
+  std::size_t tests = 0;  ///< of its family: all parts of the strategy on the problem that were tested
+  /// Of a verdict that is not shown: the pairs with which it would probably be shown (forecast_pairs); 0: unknown.
   std::size_t pairs_needed = 0;
-  bool together = false;  ///< the pairs are those of several problems
+  double more_ablation = 0.0;  ///< the budget was spent: the next Experiment::ablation to try; 0: it was not
+  std::size_t runs = 0;        ///< of guides that were never set up: the runs of the strategy
+  bool unsolved = false;       ///< the strategy found no path in any run of the experiment
+  bool together = false;       ///< the pairs are those of several problems
   /// What of the divergence explains a verdict that is shown: "mass" (the share of samples in the target) or "spread"
   /// (how evenly these cover it); "" where neither does.
   std::string reason = {};
@@ -44,18 +51,38 @@ struct GuideVerdict {
   Verdict verdict;
 };
 
-/// "0.31", "1.6"; "0" where most runs without the guide found no path, "inf" where most runs with it found none.
-std::string ratio_word(double ratio);
-/// "pays", "costs", "not shown", "not tested"; "" for none.
-std::string verdict_word(const Verdict& verdict);
-/// "pays ×0.31 [0.25, 0.40] (mass)", "costs ×1.6", "not shown (15 seeds; ~40 would show it)".
-std::string verdict_text(const Verdict& verdict);
+/// The verdict on all guides of a strategy together, against a strategy of the experiment without guides. It is a test
+/// of its own, at 5 %.
+struct WholeVerdict {
+  std::string reference;
+  Verdict verdict;
+};
 
-/// Returns the verdicts on all guides of all strategies that are no ablations: on each problem, or on all together. A
-/// difference counts at p < 0.05 in the sign test with Holm's correction over all these verdicts. The runs without a
-/// guide are those of a strategy of the experiment that searches so, or of ExperimentFacts::left_out. The guide's own
-/// guides take its place.
+/// "0.31", "1.03", "1.6", "120", "inf".
+std::string ratio_word(double ratio);
+/// "0.31"; of a bracket "0.05 or less", "3 or more".
+std::string median_word(const RatioBracket& median);
+/// "pays", "costs", "no difference", "changes nothing", "not shown", "not tested", "never set up"; "" for none.
+std::string verdict_word(const Verdict& verdict);
+/// "pays ×0.31 [0.25, 0.40] (8 seeds; mass)", "no difference above ×1.25 [0.95, 1.1] (8 seeds)", "not shown [0.71, 1.1]
+/// (39 seeds); ~80 seeds would probably show it".
+std::string verdict_text(const Verdict& verdict);
+/// The same for a row that is the strategy without the part, with the inverse ratio: "8.4 [3.4, 14] keep it".
+std::string verdict_text_without(const Verdict& verdict);
+
+/// The confidence in all verdicts of a report, in a sentence.
+std::string verdicts_note();
+
+/// Returns the verdicts on all guides of all strategies that are no ablations: on each problem, or on all together. The
+/// runs without a guide are those of a strategy of the experiment that searches so, and those of
+/// ExperimentFacts::left_out. The guide's own guides take its place. The guides of a strategy on a problem are a family
+/// of sequential tests, see `decide`; on all problems together their pairs are counted together.
 std::vector<GuideVerdict> guide_verdicts(const ExperimentFacts& experiment, bool together);
+
+/// Returns the verdict on all guides of a strategy on a problem or, with "", on all: against its planner alone, else
+/// the baseline, where one of these is a strategy of the experiment without guides. None with fewer than two guides.
+std::optional<WholeVerdict> whole_verdict(const ExperimentFacts& experiment, const std::string& problem,
+                                          const std::string& strategy);
 
 /// Returns the verdicts on the levels of a strategy, with the reasons; none for an ablation.
 /// \param found  the verdicts of a report
@@ -66,16 +93,11 @@ std::vector<Verdict> level_verdicts(const std::vector<GuideVerdict>& found, cons
 std::vector<GuideVerdict> part_verdicts(const std::vector<GuideVerdict>& found, const std::string& problem,
                                         const std::string& strategy, const RunsSummary& summary);
 
-/// The verdict from costs with and without a guide.
-/// \param costs  with Holm's p value
-/// \param tests  number of verdicts that the p value is corrected for
-Verdict verdict_of(const PairedCosts& costs, std::size_t tests);
-
-inline constexpr std::size_t most_pairs = 1000;
-/// Returns the number of pairs with which a sign test at 5 %, corrected for `tests` tests, shows a difference with a
-/// probability of 80 %, if it is as large as in these pairs (Laplace's estimate, ties in proportion); at least one more
-/// than there are. 0: more than `most_pairs`.
-std::size_t pairs_needed(const PairedCosts& costs, std::size_t tests);
+/// Returns the verdict of a test.
+/// \param ratios  of its pairs
+/// \param tests   number of tests of its family, and of those without a direction
+Verdict verdict_of(SequentialDecision decision, std::span<const RatioBracket> ratios, std::size_t tests,
+                   std::size_t undecided);
 
 /// Returns the statistics of a level's nodes on the root's target: on other seeds' paths where there are any, else on
 /// its own.

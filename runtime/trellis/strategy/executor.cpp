@@ -118,10 +118,8 @@ class Running {
     run_.seeded = true;
     run_.densities = options.measured;
     run_.interrupted = options.interrupted;
-    if (options.work_limit > 0.0) {
-      run_.interrupted = [this] {
-        return (options_.interrupted && options_.interrupted()) || cost().work >= options_.work_limit;
-      };
+    if (options.work_limit > 0.0 || options.check_limit > 0) {
+      run_.interrupted = [this] { return (options_.interrupted && options_.interrupted()) || reached(cost()); };
     }
     run_.watch = options.watch;
     if (options.threads > 1) run_.helpers = &helpers_.emplace(options.threads);
@@ -253,6 +251,11 @@ class Running {
   }
   /// Of all levels and the companion.
   [[nodiscard]] RunCost cost() const { return companion_ ? run_.cost() + companion_->cost() : run_.cost(); }
+  /// Whether a cost reaches a limit of the run.
+  [[nodiscard]] bool reached(const RunCost& cost) const {
+    return (options_.work_limit > 0.0 && cost.work >= options_.work_limit) ||
+           (options_.check_limit > 0 && cost.checks >= static_cast<double>(options_.check_limit));
+  }
   [[nodiscard]] bool run_interrupted() const { return run_.interrupted && run_.interrupted(); }
 
   /// Makes the levels of the guides.

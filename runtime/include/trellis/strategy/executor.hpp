@@ -98,6 +98,8 @@ struct ExecuteOptions {
   bool companion = true;
   /// Work of all levels at which the run ends with Status::interrupted; 0: no limit.
   double work_limit = 0.0;
+  /// The same for the validity checks of all levels; 0: no limit.
+  std::uint64_t check_limit = 0;
 };
 
 /// Checks a problem: coordinates finite, of the right number and inside the space; start and goal valid.

@@ -123,6 +123,9 @@ struct RunTotals {
   std::vector<Improvement> improvements;
 };
 
+/// Whether a run set up its guides: not where its planner, which runs beside them, solved the problem before.
+inline bool sets_up_guides(const RunTotals& run) { return !(run.bounded.bound > 0.0) || run.bounded.guides_set_up; }
+
 /// The place of a level in its hierarchy, and its accounts.
 struct LevelAccounts {
   int level = 0;             ///< position in the run's list, depth first

@@ -55,19 +55,23 @@ const std::vector<ReportTerm>& report_terms() {
       {"across", quantity("D_eps_parts.across").meaning},
       {"verdict",
        "whether a level pays: an experiment, the strategy with and without it on the same seeds, unscored. The guides "
-       "of the level take its place. `--ablation` sets how much work that may take"},
+       "of the level take its place. After each seed a sequential test decides, so that seeds may be added until it "
+       "does: at most 5 % of a strategy's tests on a problem ever get a wrong direction. `--ablation` sets how much "
+       "work that may take"},
       {"pays",
        "verdict: with the level the strategy costs less. × is the ratio of its validity checks to those without the "
-       "level, the median over the seeds, with its 99 % interval; a difference counts at p < 0.05 in a sign test, "
-       "corrected by Holm over all verdicts of the report. ×0: most runs without the level found no path, within the "
-       "planner's budget and 20 times the work"},
+       "level, the median over the seeds, with its 95 % interval, which holds at any number of seeds. A run without "
+       "the level is cut off at twice the checks of the run with it: then the ratio is 0.5 or less"},
       {"costs", "verdict: with the level the strategy costs more; the ratio is above 1"},
+      {"no difference",
+       "verdict: the ratio is between 1/1.25 and 1.25. Changes nothing: each run costs as much as the one without"},
       {"not shown",
-       "verdict: the runs show neither. In brackets the number of seeds, and, where it is at most 1000, the number "
-       "with which the observed difference would be shown with a probability of 80 %"},
-      {"not tested",
-       "verdict: the strategy was not run without the level: fewer than 6 seeds, which can show nothing, or more work "
-       "than --ablation allows"},
+       "verdict: the runs show neither. The budget is spent, or so many seeds would show it with a probability of "
+       "80 %, if there are at most 200"},
+      {"not tested", "verdict: the strategy was not run without the level, or cannot be set up without it"},
+      {"never set up", "verdict: the planner solved the problem in all runs before the guides were set up"},
+      {"keep it, leave it out",
+       "verdict of a row that is the strategy without a level: the inverse ratio, so that the level pays above 1"},
       {"(mass), (spread)",
        "beside a verdict: the part of the divergence that the level's samples reduce most (where it pays) or increase "
        "(where it costs). It explains the verdict and does not decide it"},

@@ -231,7 +231,10 @@ std::string shortened(const std::string& text, std::size_t columns) {
 /// Whether a strategy has a table of its levels: it has several, or a guide without a space.
 bool has_levels_table(const Row& row) {
   const std::vector<LevelSummary>& levels = row.runs().levels;
-  return levels.size() > 1 || (!levels.empty() && !levels.front().parts.empty());
+  const bool unseen = std::any_of(row.of->parts.begin(), row.of->parts.end(), [](const GuideVerdict& one) {
+    return one.verdict.kind == Verdict::Kind::never_set_up;
+  });
+  return levels.size() > 1 || (!levels.empty() && (unseen || !levels.front().parts.empty()));
 }
 
 /// Adds a row for each part of a level that has no level of its own.
@@ -245,6 +248,32 @@ void add_parts(Table& table, const Row& row, std::size_t level, std::size_t inde
     if (!verdicts.empty()) cells.back() = fmt::format("{}; {}", fmt::join(verdicts, ", "), cells.back());
     table.add(std::move(cells));
   }
+}
+
+/// Returns the verdicts on guides that have no row, because no run set them up.
+std::string unseen_guides(const Row& row, std::size_t width) {
+  std::string out;
+  for (const GuideVerdict& one : row.of->parts) {
+    if (one.verdict.kind != Verdict::Kind::never_set_up) continue;
+    out += wrap(fmt::format("{}: {}", one.guide, verdict_text(one.verdict)), width, "  ", "  ");
+  }
+  return out;
+}
+
+/// Returns the verdict on all guides of a strategy together, where there is one with a direction.
+std::string whole_text(const Row& row, std::size_t width) {
+  const auto& whole = row.of->whole;
+  if (!whole || (whole->verdict.kind != Verdict::Kind::pays && whole->verdict.kind != Verdict::Kind::costs)) return "";
+  return wrap(fmt::format("all guides together: {}, against {}", verdict_text(whole->verdict), whole->reference), width,
+              "  ", "  ");
+}
+
+/// Whether a strategy has a verdict in its table, so that a note explains them.
+bool has_verdict(const Row& row) {
+  const auto decided = [](const Verdict& one) { return one.kind != Verdict::Kind::none && one.counts.pairs > 0; };
+  return std::any_of(row.of->verdicts.begin(), row.of->verdicts.end(), decided) ||
+         std::any_of(row.of->parts.begin(), row.of->parts.end(),
+                     [&](const GuideVerdict& one) { return decided(one.verdict); });
 }
 
 /// Returns the table of the verdicts on one strategy's levels.
@@ -275,6 +304,7 @@ std::string levels_table(bool measured, const Row& row, std::size_t width) {
     add_parts(table, row, i, display_width(labels[i]) - display_width(levels[i].name), columns.size());
   }
   std::string out = wrap("Which level pays? " + row.equation(), width, "", "  ") + table.text(width);
+  out += unseen_guides(row, width) + whole_text(row, width);
   if (measured) out += nats_notes(levels, width);
   return out;
 }
@@ -317,13 +347,12 @@ std::string couplings_table(const Row& row, std::size_t width, std::size_t most)
                text_column("conflicts resolved")});
   for (std::size_t i = 0; i < shown; ++i) {
     const CouplingSummary& one = *rows[i];
-    const auto& solved = one.verdict.costs;
+    const bool tested = one.pairs > 0;
     std::string name = one.name();
     if (one.robots.size() == 2) name = fmt::format("{}", fmt::join(one.robots, ", "));
     table.add({name, one.runs > 0 ? fmt::format("{}/{}", one.conflicts, one.runs) : "-",
-               solved ? fmt::format("{}/{}", solved->reference_solved, solved->pairs) : "-",
-               solved ? needed_text(one) : "-", solved ? ratio_word(one.costs->ratio.value) : "-", coupling_text(one),
-               resolved_text(one)});
+               tested ? fmt::format("{}/{}", one.solved_without, one.pairs) : "-", tested ? needed_text(one) : "-",
+               tested ? median_word(one.check_ratio.median) : "-", coupling_text(one), resolved_text(one)});
   }
   std::string out = wrap("Who needs coordination? " + row.equation(), width, "", "  ") + table.text(width);
   std::map<std::string, std::size_t> counts;
@@ -365,6 +394,7 @@ std::string next_step(const ExperimentSummary& experiment, const std::vector<Sec
   }
   bool guided = false;
   bool tested = true;
+  double more_ablation = 0.0;
   const GuideVerdict* costly = nullptr;
   const GuideVerdict* open = nullptr;
   std::vector<GuideVerdict> all;
@@ -380,6 +410,7 @@ std::string next_step(const ExperimentSummary& experiment, const std::vector<Sec
   for (const GuideVerdict& one : all) {
     const Verdict& verdict = one.verdict;
     if (verdict.kind == Verdict::Kind::not_tested) tested = false;
+    more_ablation = std::max(more_ablation, verdict.more_ablation);
     if (verdict.kind == Verdict::Kind::costs && costly == nullptr) costly = &one;
     if (verdict.pairs_needed > 0 && (open == nullptr || verdict.pairs_needed < open->verdict.pairs_needed)) open = &one;
   }
@@ -389,24 +420,21 @@ std::string next_step(const ExperimentSummary& experiment, const std::vector<Sec
                        experiment.spatial ? "workspace()" : "skeleton()", experiment.strategies.front().text);
   }
   if (costly != nullptr) {
-    const double without = 1.0 / costly->verdict.costs->ratio.value;
+    const double without = 1.0 / costly->verdict.ratio.median.hi;
     return fmt::format("leave out {} of {}: without it the strategy takes {} the validity checks", costly->guide,
-                       costly->strategy, without > 0.0 ? fmt::format("{:.2g} times", without) : "a fraction of");
+                       costly->strategy, without > 0.0 ? ratio_word(without) + " times" : "a fraction of");
   }
-  if (!tested) {
-    if (experiment.seeds.size() < least_tested_seeds) {
-      return fmt::format("--seeds 15 tests which levels pay; {} cannot show it",
-                         plural(experiment.seeds.size(), "seed"));
-    }
-    if (experiment.ablation == 0.0)
-      return "trellis run --ablation 1, or trellis sweep --ablate, tests which levels pay";
-    return fmt::format("--ablation {:g} allows more work for the test of which levels pay", 4.0 * experiment.ablation);
+  if (!tested && experiment.ablation == 0.0) {
+    return "trellis run --ablation 2, or trellis sweep --ablate, tests which levels pay";
+  }
+  if (more_ablation > 0.0) {
+    return fmt::format("--ablation {:g} allows more work for the test of which levels pay", more_ablation);
   }
   if (open != nullptr) {
-    const std::size_t problems = open->problem.empty() ? experiment.problems.size() : 1;
-    const std::size_t seeds = (open->verdict.pairs_needed + problems - 1) / problems;
+    // A test of n seeds takes 2 n pairs.
+    const std::size_t seeds = (open->verdict.pairs_needed + 1) / 2;
     if (seeds <= 4 * experiment.seeds.size()) {
-      return fmt::format("--seeds {} would show whether {} of {} pays", seeds, open->guide, open->strategy);
+      return fmt::format("--seeds {} would probably show whether {} of {} pays", seeds, open->guide, open->strategy);
     }
   }
   if (sections.front().rows.size() == 1) {
@@ -476,11 +504,20 @@ std::string certificates_text(const Section& section, std::size_t width) {
               width, "", "  ");
 }
 
+/// Returns the note on the confidence in all verdicts; "" where there is none.
+std::string note_of(const std::vector<Section>& sections, std::size_t width) {
+  const bool any = std::any_of(sections.begin(), sections.end(), [](const Section& section) {
+    return std::any_of(section.rows.begin(), section.rows.end(), has_verdict);
+  });
+  return any ? wrap(verdicts_note(), width, "\n", "  ") : "";
+}
+
 }  // namespace
 
 std::string levels_report_text(const ExperimentSummary& experiment, std::size_t width) {
+  const std::vector<Section> sections = sections_of(experiment);
   std::string out;
-  for (const Section& section : sections_of(experiment)) {
+  for (const Section& section : sections) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width);
     for (const Row& row : section.rows) {
       const RunsSummary& runs = row.runs();
@@ -493,7 +530,7 @@ std::string levels_report_text(const ExperimentSummary& experiment, std::size_t 
     }
     out += warnings(section, width);
   }
-  return out;
+  return out + note_of(sections, width);
 }
 
 std::string overview_text(const ExperimentSummary& experiment, std::size_t width) {
@@ -521,6 +558,8 @@ std::string overview_text(const ExperimentSummary& experiment, std::size_t width
   if (tables > most_level_tables) {
     out += wrap(fmt::format("{} strategies with guides: --report levels says which of their levels pay", tables), width,
                 "\n", "");
+  } else {
+    out += note_of(sections, width);
   }
   return out + '\n' + wrap(next_step(experiment, sections), width, "→ ", "  ") +
          wrap("more: --report levels, efficiency or full; `trellis help report` explains the columns", width, "  ",

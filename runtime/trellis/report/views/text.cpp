@@ -643,8 +643,17 @@ std::string summary_table(const std::vector<StrategySummary>& rows, bool measure
   return table.text(width) + root.notes().text(width);
 }
 
+/// Returns the verdict on the guide that a strategy is without; nullptr where there is none.
+const Verdict* left_out_verdict(const ProblemSummary& problem, const std::string& strategy) {
+  for (const StrategySummary& one : problem.strategies) {
+    if (one.strategy == strategy && one.left_out) return &*one.left_out;
+  }
+  return nullptr;
+}
+
 /// Compares strategies with a baseline, paired by seed; one table for each baseline.
-std::string comparison_tables(const std::vector<Comparison>& comparisons, bool measured, std::size_t width) {
+std::string comparison_tables(const ProblemSummary& problem, bool measured, std::size_t width) {
+  const std::vector<Comparison>& comparisons = problem.comparisons;
   std::vector<std::string> baselines;
   for (const Comparison& c : comparisons) {
     if (std::find(baselines.begin(), baselines.end(), c.baseline) == baselines.end()) baselines.push_back(c.baseline);
@@ -669,6 +678,10 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
                        {number_column({"n"}, role), number_column({"difference"}, role), number_column({"p"}, role)});
       }
     }
+    const bool judged = std::any_of(comparisons.begin(), comparisons.end(), [&](const Comparison& c) {
+      return c.baseline == baseline && left_out_verdict(problem, c.strategy) != nullptr;
+    });
+    if (judged) columns.push_back(text_column("verdict"));
     Table table(columns);
     std::size_t pairs = 0;
     bool cross = false;
@@ -698,6 +711,10 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
           cells.push_back(any ? p_text(paired->holm_p) : "-");
         }
       }
+      if (judged) {
+        const Verdict* verdict = left_out_verdict(problem, c.strategy);
+        cells.push_back(verdict != nullptr ? verdict_text_without(*verdict) : "");
+      }
       table.add(std::move(cells));
     }
     out +=
@@ -709,6 +726,7 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
                                          : ""),
                     width, "", "  ");
     out += table.text(width);
+    if (judged) out += wrap(verdicts_note(), width, "  ", "  ");
   }
   return out;
 }
@@ -762,7 +780,7 @@ std::size_t columns_of(int width) { return static_cast<std::size_t>(std::max(wid
 std::string summary_section(const ExperimentSummary& experiment, const ProblemSummary& problem, std::size_t columns) {
   return "\nsummary of " + (problem.problem.empty() ? "all problems" : problem.problem) + '\n' +
          summary_table(problem.strategies, experiment.measured, columns) +
-         comparison_tables(problem.comparisons, experiment.measured, columns) + warnings_text(problem, columns);
+         comparison_tables(problem, experiment.measured, columns) + warnings_text(problem, columns);
 }
 
 }  // namespace
