@@ -122,7 +122,7 @@ TEST_CASE("costs are divided seed by seed, and a run without a path costs infini
   CHECK(all[0].checks.reference_median.value == 100.0);
   CHECK(all[0].checks.ratio_of_medians() == 1.5);
   CHECK(std::isnan(all[0].checks.ratio_of_totals()));  // each side left a run unsolved
-  // Six seeds bound nothing with 99 %.
+  // The interval of six seeds has all of them.
   CHECK(all[0].checks.ratio.lo == 0.0);
   CHECK(all[0].checks.ratio.hi == infinity);
   CHECK(all[0].seconds.ratio.value == Approx(1.25));

@@ -56,8 +56,8 @@ TEST_CASE("a strategy that gives up early on most seeds is not cheap", "[censore
   CHECK(pairs.reference_solved == 20);
   CHECK(pairs.both_solved == 4);
   CHECK(pairs.ratio.value == infinity);
-  // The interval at 99 % begins at the 4th of 20, which is solved still.
-  CHECK(pairs.ratio.lo == Approx(0.62));
+  // The interval at 95 % begins at the 6th of 20, which is unsolved.
+  CHECK(pairs.ratio.lo == infinity);
   CHECK(pairs.ratio.hi == infinity);
   CHECK(pairs.difference.value == infinity);
   CHECK(pairs.median.value == infinity);
@@ -71,7 +71,7 @@ TEST_CASE("a strategy that gives up early on most seeds is not cheap", "[censore
   const PairedCosts turned = paired_costs(reference, mine);
   CHECK(turned.ratio.value == 0.0);
   CHECK(turned.ratio.lo == 0.0);
-  CHECK(turned.ratio.hi == Approx(1.0 / 0.62));
+  CHECK(turned.ratio.hi == 0.0);
   CHECK(turned.sign_p == pairs.sign_p);
   CHECK(turned.effect == Approx(0.6));
 }
@@ -106,27 +106,27 @@ TEST_CASE("fewer than five values have no interval, and figures that are missing
 }
 
 TEST_CASE("the interval of a median is that of the order statistics", "[censored]") {
-  // Of 15 fair coins at most 12 show heads with .9963, at most 11 with .982: the 3rd and the 13th of 15.
+  // Of 15 fair coins at most 11 show heads with .982, at most 10 with .941: the 4th and the 12th of 15.
   std::vector<double> values;
   for (int i = 1; i <= 15; ++i) values.push_back(i);
   const Interval all = median_interval(values);
   CHECK(all.value == 8.0);
-  CHECK(all.lo == 3.0);
-  CHECK(all.hi == 13.0);
+  CHECK(all.lo == 4.0);
+  CHECK(all.hi == 12.0);
   CHECK(all.n == 15);
   // The upper end goes where the unsolved runs are.
-  std::fill(values.end() - 3, values.end(), infinity);
+  std::fill(values.end() - 4, values.end(), infinity);
   const Interval censored = median_interval(values);
   CHECK(censored.value == 8.0);
-  CHECK(censored.lo == 3.0);
+  CHECK(censored.lo == 4.0);
   CHECK(censored.hi == infinity);
-  CHECK(censored.infinite == 3);
-  CHECK(median_interval(values, 0.9).hi == 12.0);
+  CHECK(censored.infinite == 4);
+  CHECK(median_interval(values, 0.8).hi == 11.0);
 }
 
 // Costs are log-normal, as those of planners are about; a run that would cost more than the budget fails. The true
 // median, of the costs with infinity for what lies beyond the budget, is known.
-TEST_CASE("intervals of censored costs hold the truth 98 to 100 times of 100 at 99 %", "[censored][slow]") {
+TEST_CASE("intervals of censored costs hold the truth 94 to 100 times of 100 at 95 %", "[censored][slow]") {
   constexpr int rounds = 3000;
   struct Case {
     std::size_t runs;
@@ -180,9 +180,9 @@ TEST_CASE("intervals of censored costs hold the truth 98 to 100 times of 100 at 
       of_difference += holds(pairs.difference, difference);
     }
     INFO(one.runs << " runs, budget " << one.budget << ", factor " << one.factor);
-    CHECK(of_median / static_cast<double>(rounds) >= 0.98);
-    CHECK(of_ratio / static_cast<double>(rounds) >= 0.98);
-    CHECK(of_difference / static_cast<double>(rounds) >= 0.98);
+    CHECK(of_median / static_cast<double>(rounds) >= 0.94);
+    CHECK(of_ratio / static_cast<double>(rounds) >= 0.94);
+    CHECK(of_difference / static_cast<double>(rounds) >= 0.94);
   }
 }
 

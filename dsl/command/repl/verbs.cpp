@@ -62,7 +62,7 @@ constexpr std::array<Verb, 23> all_verbs = {{
     {"compare", "compare(a, b, ..., { seeds = 5 })",
      "strategies side by side, paired by seed; options: problem, seeds, measure"},
     {"time", "time(strategy, 20, problem)",
-     "runs a strategy with 20 seeds: CPU time and validity checks, medians with 99 % intervals; of a function, its "
+     "runs a strategy with 20 seeds: CPU time and validity checks, medians with 95 % intervals; of a function, its "
      "CPU time; %time EXPRESSION does either"},
     {"ablate", "ablate(strategy, { seeds = 5 })",
      "a strategy with each of its guides taken out in turn; options likewise"},
@@ -680,7 +680,7 @@ class Verbs {
       return;
     }
     const auto solved = std::count_if(checks.begin(), checks.end(), [](const CensoredCost& c) { return c.solved; });
-    say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 99 % intervals\n", name, problem.name,
+    say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 95 % intervals\n", name, problem.name,
                     checks.size(), solved, checks.size()) +
         time_row("CPU time, ms", median_cost(milliseconds)) + time_row("validity checks", median_cost(checks)));
   }
@@ -697,7 +697,7 @@ class Verbs {
       call.resize(before);
       milliseconds.push_back({1000.0 * ticks / CLOCKS_PER_SEC, true});
     }
-    say(fmt::format("{} calls; median with 99 % interval\n", count) +
+    say(fmt::format("{} calls; median with 95 % interval\n", count) +
         time_row("CPU time, ms", median_cost(milliseconds)));
     return 0;
   }

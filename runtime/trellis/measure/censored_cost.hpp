@@ -34,10 +34,10 @@ double cost_ratio(const CensoredCost& mine, const CensoredCost& reference, Claim
 /// Returns mine - reference, 0 for equal costs.
 double cost_difference(const CensoredCost& mine, const CensoredCost& reference);
 
-/// Returns the median cost with its 99 % interval; infinite where at least half of the runs are unsolved.
+/// Returns the median cost with its 95 % interval; infinite where at least half of the runs are unsolved.
 Interval median_cost(std::span<const CensoredCost> costs);
 
-/// Two lists of costs of the same seeds, paired by seed; medians with 99 % intervals by order statistics.
+/// Two lists of costs of the same seeds, paired by seed; medians with 95 % intervals by order statistics.
 struct PairedCosts {
   Interval median;               ///< of the strategy, over the pairs
   Interval reference_median;     ///< of the reference

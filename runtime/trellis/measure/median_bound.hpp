@@ -18,7 +18,7 @@ double median_lower(std::span<const double> values, double confidence = 0.95);
 /// Returns the median with its distribution-free interval by order statistics: two bounds, each with half of the error
 /// probability. Includes infinite values and omits NaNs, so the median and a bound may be infinite. Fewer than
 /// `least_for_interval` values have no interval. `n` counts the infinite values too.
-Interval median_interval(std::span<const double> values, double confidence = 0.99);
+Interval median_interval(std::span<const double> values, double confidence = 0.95);
 
 /// Returns the least number of values with a finite bound.
 std::size_t least_for_median(double confidence = 0.95);

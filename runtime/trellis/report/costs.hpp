@@ -91,7 +91,7 @@ struct LengthCurve {
   std::size_t runs = 0;
   bool improves = false;         ///< at least one run found a second path
   std::vector<double> at;        ///< costs at which a run found a path, ascending; at most 200
-  std::vector<Interval> length;  ///< from each cost on, with its 99 % interval by order statistics
+  std::vector<Interval> length;  ///< from each cost on, with its 95 % interval by order statistics
   double spent = 0.0;            ///< the largest cost of a run
 };
 LengthCurve length_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind);

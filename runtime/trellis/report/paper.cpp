@@ -518,7 +518,7 @@ class Tables {
     page_.heading(fmt::format("Other measures, {}", escaped(problem.name)));
     page_.paragraph(
         "On other seeds' paths (own path where there are none); upper value tree, lower value expansion. Solved: with "
-        "Wilson's 95 % interval; validity checks and time: medians over all runs, an unsolved one infinite, with 99 % "
+        "Wilson's 95 % interval; validity checks and time: medians over all runs, an unsolved one infinite, with 95 % "
         "intervals by order statistics.");
     std::vector<std::string> header = {"strategy", "solved", "validity checks", "time, ms"};
     for (const Quantity& quantity : quantities()) header.emplace_back(quantity.title);

@@ -216,7 +216,7 @@ struct RunsSummary {
   std::size_t runs = 0;
   Interval success;  ///< Wilson
   std::size_t solved = 0;
-  /// The cost of a path over all levels: medians over all runs, an unsolved one infinite, with 99 % intervals. Validity
+  /// The cost of a path over all levels: medians over all runs, an unsolved one infinite, with 95 % intervals. Validity
   /// checks are those until the first path.
   Interval validity_checks;
   Interval motion_checks;

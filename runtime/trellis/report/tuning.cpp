@@ -107,7 +107,7 @@ std::string tuning_text(const Experiment& experiment, const TuneSettings& settin
   }
   out += '\n' + table_text(experiment, result, width) + '\n';
   out += wrap(
-      "ratios: medians over the common runs, with 99 % intervals where the runs are enough; an unsolved run "
+      "ratios: medians over the common runs, with 95 % intervals where the runs are enough; an unsolved run "
       "costs infinitely much",
       width);
   out += wrap(alike_text(experiment, result), width);

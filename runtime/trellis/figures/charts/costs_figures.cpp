@@ -25,8 +25,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The least of a median's 99 % interval by order statistics: 2 / 2^8 is below 1 %.
-constexpr std::size_t pairs_of_interval = 8;
+/// The least of a median's 95 % interval by order statistics: 2 / 2^6 is below 5 %.
+constexpr std::size_t pairs_of_interval = 6;
 
 // Ratios
 // ---------------------------------------------------------------------------------------------------------------
@@ -73,7 +73,7 @@ void fill(const CostData& data, const std::vector<CostComparison>& comparisons, 
   figure.groups = groups_of(data, group_of);
   if (style.checks) figure.panels.emplace_back("validity checks, all levels");
   if (style.seconds) figure.panels.emplace_back("CPU time");
-  if (data.problems.size() == 1) figure.texts = "[99 %]";
+  if (data.problems.size() == 1) figure.texts = "[95 %]";
   figure.x_label = "cost / cost of the reference (left of 1: costs less)";
   std::map<std::size_t, draw::RatioRow> rows;
   for (const CostComparison& c : comparisons) {
@@ -102,7 +102,7 @@ std::string ratios_caption(const CostData& data, const std::vector<CostCompariso
       "right, most of its runs found no path; to the left, most of the reference's.{}{}",
       one ? "A dot is the" : "A dot is a problem: the",
       least >= most ? plural(most, "pair") : fmt::format("{} to {}", least, plural(most, "pair")),
-      intervals ? "with its 99 % interval" : "too few for a 99 % interval",
+      intervals ? "with its 95 % interval" : "too few for a 95 % interval",
       intervals ? " An arrowhead: the interval continues beyond the axis." : "",
       one ? "" : " The problem with the largest ratio of a row has its name beside it.");
 }
@@ -335,7 +335,7 @@ std::optional<draw::Figure> length_figure(const CostData& data, const std::strin
   if (!figure) return figure;
   figure->title = fmt::format("{}: length of the shortest path known over what it cost", data.problems[problem].name);
   figure->caption = fmt::format(
-      "Planners that improve their path; medians over {}, a run without a path infinite; bands: 99 % interval by order "
+      "Planners that improve their path; medians over {}, a run without a path infinite; bands: 95 % interval by order "
       "statistics. A curve begins where half of the runs have a path.",
       runs.text());
   return figure;
@@ -508,7 +508,7 @@ std::vector<draw::Figure> sweep_figures(const CostData& data, const std::string&
                                baseline.empty() ? "costs" : "costs beside " + baseline, sweep.option);
     figure.caption = fmt::format(
         "Strategies that differ in this number alone{}; {}. Costs: medians{}, a run without a path infinite; whiskers: "
-        "99 % interval by order statistics. Runs with a path: whiskers: 95 % Wilson interval. An arrow: without a "
+        "95 % interval by order statistics. Runs with a path: whiskers: 95 % Wilson interval. An arrow: without a "
         "bound, or beyond the axis.",
         one || sweep.curves.size() > 1 ? "" : ": " + first.name, runs.text(),
         baseline.empty() ? "" : " of the ratios on the same seed");

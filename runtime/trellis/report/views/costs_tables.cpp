@@ -188,7 +188,7 @@ class Tables {
     correlation();
     out_.line("## World by world");
     out_.line(
-        fmt::format("The reference is {}; its row has its medians. In brackets: the 99 % interval of the median by "
+        fmt::format("The reference is {}; its row has its medians. In brackets: the 95 % interval of the median by "
                     "order statistics. A fraction follows where some runs found no path.",
                     escaped(baseline_)));
     const bool grouped = !kinds_of(data_).front().name.empty();
@@ -307,8 +307,8 @@ class Tables {
         "Solved: by the strategy, by the reference, by both on one seed. Totals: of all seeds, which a few long runs "
         "decide. p: sign test, corrected by Holm over all rows.");
     out_.header({"world", "group", "strategy", "solved", "reference", "both", "checks", "ratio of medians",
-                 "ratio of totals", "median ratio", "99 % interval", "p", "CPU ms", "ratio of medians",
-                 "ratio of totals", "median ratio", "99 % interval", "p"});
+                 "ratio of totals", "median ratio", "95 % interval", "p", "CPU ms", "ratio of medians",
+                 "ratio of totals", "median ratio", "95 % interval", "p"});
     for (const CostComparison& c : beside_baseline_) {
       const auto& problem = data_.problems[c.problem];
       const auto range = [](const CostRatio& r) { return range_text(r.ratio, " – "); };

@@ -114,7 +114,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
   if (set_up) columns.push_back(number_column({"set-up,", "checks"}));
   const std::string beside = "× " + section.baseline;
   if (compared) {
-    columns.push_back(number_column({"checks [99 %]"}, beside));
+    columns.push_back(number_column({"checks [95 %]"}, beside));
     columns.push_back(number_column({"p"}, beside));
   }
   columns.push_back(number_column({"ms"}, "median"));

@@ -669,7 +669,7 @@ std::string comparison_tables(const ProblemSummary& problem, bool measured, std:
                                           number_column({"here"}, solved),
                                           number_column({"there"}, solved),
                                           number_column({"both"}, solved),
-                                          number_column({"ratio, median", "[99 % interval]"}, checks),
+                                          number_column({"ratio, median", "[95 % interval]"}, checks),
                                           number_column({"difference,", "median"}, checks),
                                           number_column({"p"}, checks)};
     if (measured) {
