@@ -390,6 +390,48 @@ TEST_CASE("a run records each shorter path with what it cost", "[executor][anyti
   CHECK(execute(StrategySpec(rrt()), test::cup_problem(), 1).improvement_checks == 0);
 }
 
+TEST_CASE("a guided search keeps its path where the planner beside it ends without one", "[executor][anytime]") {
+  const auto star = PlannerSpec::make("rrt_star", {{"proposals", std::int64_t{200}}, {"improve", std::int64_t{100000}}});
+  const auto problem = test::trap_problem();
+  std::size_t kept = 0;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    CAPTURE(seed);
+    const RunRecord run = execute(guide("skeleton") >> star, problem, seed);
+    if (!run.solved) continue;
+    CHECK(run.certified);
+    CHECK(run.improvements.back().length <= run.length * (1.0 + 1e-12));
+    const bool alone = execute(StrategySpec(star), problem, seed).solved;
+    kept += run.bounded.unguided_won || alone ? 0 : 1;
+  }
+  CHECK(kept >= 5);
+}
+
+TEST_CASE("a guided run that is cut off has the first path of the whole run", "[executor][anytime]") {
+  const auto star = PlannerSpec::make("lazy_prm_star", {{"proposals", std::int64_t{400}}});
+  bool both = false;
+  for (const auto& strategy : {guide("gaussian") >> star, guide("shrink", {{"scale", 0.5}}) >> star}) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      CAPTURE(strategy.text(), seed);
+      const RunRecord whole = execute(strategy, test::cup_problem(), seed);
+      REQUIRE(whole.solved);
+      REQUIRE_FALSE(whole.improvements.empty());
+      const std::uint64_t first = whole.improvements.front().validity_checks;
+      CHECK(whole.improvement_checks == whole.validity_checks - first);
+      // A guide may raise the cost of edges: the path of least cost is then not the shortest one.
+      CHECK(whole.improvements.back().length <= whole.length * (1.0 + 1e-12));
+      for (std::size_t i = 1; i < whole.improvements.size(); ++i) {
+        CHECK(whole.improvements[i].length < whole.improvements[i - 1].length);
+        CHECK(whole.improvements[i].validity_checks >= whole.improvements[i - 1].validity_checks);
+      }
+      both = both || (whole.bounded.unguided_won && whole.levels.front().search.proposals.size() > 0);
+      const RunRecord cut = execute(strategy, test::cup_problem(), seed, {.check_limit = 2 * first});
+      REQUIRE_FALSE(cut.improvements.empty());
+      CHECK(cut.improvements.front().validity_checks == first);
+    }
+  }
+  CHECK(both);
+}
+
 TEST_CASE("a refuted path takes only its own point from the improvements", "[executor][anytime]") {
   const auto star = PlannerSpec::make("rrt_star", {{"improve", std::int64_t{500}}});
   Problem coarse = test::cup_problem();

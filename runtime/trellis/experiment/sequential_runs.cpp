@@ -32,7 +32,7 @@ struct SequentialRuns::Group {
 };
 
 CensoredCost first_path_cost(const RunRecord& run) {
-  const bool solved = run.solved || run.improvement_checks > 0;
+  const bool solved = run.solved || (run.status == Status::interrupted && run.improvement_checks > 0);
   return {static_cast<double>(run.validity_checks - run.improvement_checks), solved,
           !solved && run.status == Status::interrupted};
 }

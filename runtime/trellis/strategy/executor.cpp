@@ -161,6 +161,10 @@ class Running {
       constexpr double all = std::numeric_limits<double>::infinity();
       companion_->keep_up({all, all}, run_.clock);
       companion_decides_ = root_->status() == Status::interrupted || companion_->search().certified();
+    } else if (run_.ending && companion_->search().certified()) {
+      // Both have a path: an anytime planner improved its own.
+      const Space& space = problem_.space;
+      companion_decides_ = path_length(space, companion_->search().path()) <= path_length(space, root_->path());
     }
     ended_ = true;
     note_times();
@@ -206,9 +210,15 @@ class Running {
       root.goal = companion_->search().level().record().goal;
     }
     if (record.solved) root.solution.path = record.path;
-    // Of a run that was interrupted after a first path: those of the search that found it.
-    const bool other = companion_decides_ || (companion_ && !record.solved && run_.improvements.empty());
-    record.improvements = other ? companion_->run().improvements : run_.improvements;
+    record.improvements = run_.improvements;
+    if (companion_) {
+      const auto& beside = companion_->run().improvements;
+      const bool decides = companion_decides_;
+      record.improvements = decides ? improvements_of(beside, run_.improvements, record.solved)
+                                    : improvements_of(run_.improvements, beside, record.solved);
+    }
+    // A path that was refuted as the run ended was none.
+    if (!record.solved && record.status != Status::interrupted) record.improvements.clear();
     if (anytime_ && !record.improvements.empty()) {
       record.improvement_checks = record.validity_checks - record.improvements.front().validity_checks;
     }
@@ -291,31 +301,32 @@ class Running {
 
   /// Called before each step of the guided search: lets the companion catch up. Returns whether the run ends.
   bool companion_ends_run() {
-    if (ending_) return true;
+    if (run_.ending) return true;
     const RunCost guided = run_.cost();
     companion_->keep_up(wanted(guided), run_.clock);
-    ending_ = companion_decides(guided);
+    run_.ending = companion_decides(guided);
     // What the levels still do while they end counts with the step before.
-    if (!ending_) note_step();
-    return ending_;
+    if (!run_.ending) note_step();
+    return run_.ending;
   }
 
   /// Called before a further set-up: lets the companion catch up as if it was done. Returns whether the run ends. What
   /// is counted before it begins is no part of a step.
   bool companion_ends_run_before(double set_up) {
-    if (ending_) return true;
+    if (run_.ending) return true;
     const RunCost guided = run_.cost() + RunCost{0.0, set_up};
     companion_->keep_up(wanted(guided), run_.clock);
-    ending_ = companion_decides(guided);
-    if (!ending_) guided_before_.work += set_up;
-    return ending_;
+    run_.ending = companion_decides(guided);
+    if (!run_.ending) guided_before_.work += set_up;
+    return run_.ending;
   }
 
   /// Notes the cost of the last step of the guided search.
   void note_step() {
     const RunCost guided = run_.cost();
+    check_growth(guided - noted_, guided);
+    noted_ = guided;
     const RunCost step = guided - guided_before_;
-    check_growth(step, guided);
     largest_step_ = {std::max(largest_step_.checks, step.checks), std::max(largest_step_.work, step.work)};
     guided_before_ = guided;
   }
@@ -341,6 +352,24 @@ class Running {
     std::uint64_t checks = 0;
     for (Level* level : all_levels()) checks += level->instance().checks.validity;
     improvements.push_back({checks, thread_seconds() - run_.cpu_begin, length});
+  }
+
+  /// Returns the improvements of a run whose two searches found paths: the first path is that of either.
+  /// \param decided  the path of `decisive` is reported: none of the others is shorter in what is returned
+  static std::vector<Improvement> improvements_of(const std::vector<Improvement>& decisive,
+                                                  const std::vector<Improvement>& other, bool decided) {
+    std::vector<Improvement> all = decisive;
+    for (const Improvement& one : other) {
+      if (!decided || decisive.empty() || one.length > decisive.back().length) all.push_back(one);
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Improvement& a, const Improvement& b) {
+      return std::pair(a.validity_checks, a.length) < std::pair(b.validity_checks, b.length);
+    });
+    std::vector<Improvement> shorter;
+    for (const Improvement& one : all) {
+      if (shorter.empty() || one.length < shorter.back().length) shorter.push_back(one);
+    }
+    return shorter;
   }
 
   void add_companion(RunRecord& record) {
@@ -404,9 +433,9 @@ class Running {
   bool is_set_up_ = false;
   std::optional<RootSearch> root_;
   std::optional<Companion> companion_;
-  RunCost guided_before_;  ///< of the guided search before its last step
+  RunCost noted_;          ///< of the guided search when its last step was noted
+  RunCost guided_before_;  ///< the same, and what was announced since: a set-up may cost less than its estimate
   RunCost largest_step_;
-  bool ending_ = false;  ///< the companion has ended the run
   bool companion_decides_ = false;
   bool ended_ = false;
   double seconds_ = 0.0;

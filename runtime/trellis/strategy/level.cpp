@@ -214,7 +214,7 @@ void Level::begin_solve(double proposals, const Slice& slice) {
 }
 
 Advance Level::end_solve() {
-  Solution found = loop_->solution();
+  Solution found = loop_->solution(run_.ending && parent_ == nullptr);
   loop_.reset();
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;

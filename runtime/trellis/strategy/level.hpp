@@ -69,6 +69,7 @@ struct Run {
   double set_up = 0.0;     ///< work of setting up guides
   /// Called before each step of each level. Returns whether the run ends.
   std::function<bool()> before_step;
+  bool ending = false;  ///< the planner beside the guided search has ended the run
   /// Called before a further set-up of so much work. Returns whether the run ends.
   std::function<bool(double work)> before_set_up;
   /// Whether the time of the run is over, by the root's budget of seconds. Empty without such a budget.

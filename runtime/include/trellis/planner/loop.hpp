@@ -148,9 +148,15 @@ class StepLoop {
     ended_ = reached ? planner_.stopped(*reached) : planner_.step();
   }
   /// The solution of a solve that has ended.
-  [[nodiscard]] Solution solution() {
+  /// \param keeps_path  whether an interrupted search of an anytime planner is solved by the path that it has
+  [[nodiscard]] Solution solution(bool keeps_path = false) {
     if (*ended_ == Status::invalid_start) return {*ended_, Configurations(instance_.space.dimension())};
     if (*ended_ == Status::invalid_goal) return {*ended_, path_of_start(instance_)};
+    if (keeps_path && *ended_ == Status::interrupted) {
+      Solution best = planner_.solution(Status::budget_spent);
+      if (!best.solved()) best.status = Status::interrupted;
+      return best;
+    }
     return planner_.solution(*ended_);
   }
 

@@ -119,7 +119,8 @@ struct RunTotals {
   BoundedLoss bounded;
   std::vector<TeamConflict> conflicts;  ///< of a team, in the order in which they were found
   /// The root's paths before shortcutting: the first one and each shorter one, without those that could not be
-  /// certified.
+  /// certified. Those of the planner that runs beside a guided search are among them, if they are not shorter than the
+  /// reported path.
   std::vector<Improvement> improvements;
 };
 
