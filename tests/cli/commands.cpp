@@ -782,7 +782,7 @@ TEST_CASE("guides of a script's own: functions that no run called, prints, and w
       "local unused = guiding_space { name = 'unused', stale = function() return false end }\n"
       "return experiment { problems = scenes.cup(), seeds = 2, strategies = { own = own >> rrt {} },\n"
       "  measure = false }\n");
-  const auto outcome = place.run({"run", "own.lua", "--quiet"});
+  const auto outcome = place.run({"run", "own.lua", "--quiet", "--ablation", "0"});
   CHECK(outcome.status == 0);
   // Loading it for each run prints nothing; the output of its functions appears.
   CHECK(outcome.out == "loaded\nasked\nasked\n");
@@ -851,11 +851,11 @@ TEST_CASE("each part of a mixture has a row, and parts of a split table name the
 local mixed = (0.7*skeleton() + 0.2*goal_bias(0.2) + 0.1*bridge_test()) >> rrt { step = 0.5 }
 return experiment { problems = { scenes.cup() }, strategies = { mixed = mixed, rrt = rrt { step = 0.5 } }, seeds = 5 }
 )");
-  const Outcome overview = place.run({"run", "mixed.lua", "--width", "100"});
+  const Outcome overview = place.run({"run", "mixed.lua", "--width", "160"});
   CHECK_THAT(overview.out,
              Catch::Matchers::Matches("(.|\n)*0 root .*\n"
-                                      "  \\+ goal_bias\\(0.2\\) +not tested; draws [0-9]+ % of proposals\n"
-                                      "  \\+ bridge_test\\(0.5\\) +not tested; draws [0-9]+ % of proposals\n"
+                                      "  \\+ goal_bias\\(0.2\\) +not shown \\[.*; draws [0-9]+ % of proposals\n"
+                                      "  \\+ bridge_test\\(0.5\\) +costs .*; draws [0-9]+ % of proposals\n"
                                       "1 └ skeleton\\(\\)(.|\n)*"));
   CHECK_THAT(overview.out, Contains("median  mean"));
 

@@ -175,9 +175,9 @@ TEST_CASE("habits of other shells do what they mean") {
     sitting.enter("function twice(x) return 2 * x end");
     CHECK_THAT(sitting.enter("twice??"), Contains("input 8:1") && Contains("return 2 * x"));
     CHECK_THAT(sitting.enter("nothing_like_it?"), Contains("nothing_like_it"));
-    CHECK_THAT(sitting.enter("time(rrt_connect {}, 6, scenes.cup())"),
-               Contains("on cup, seeds 1 to 6: 6 of 6 solved") && Contains("CPU time, ms") &&
-                   Contains("(6 runs are too few for an interval)") && !Contains("inf"));
+    CHECK_THAT(sitting.enter("time(rrt_connect {}, 5, scenes.cup())"),
+               Contains("on cup, seeds 1 to 5: 5 of 5 solved") && Contains("CPU time, ms") &&
+                   Contains("(5 runs are too few for an interval)") && !Contains("inf"));
     CHECK_THAT(sitting.enter("time(rrt_connect {}, 8, scenes.cup())"),
                Contains("seeds 1 to 8: 8 of 8 solved") && !Contains("inf") && !Contains("too few"));
     CHECK_THAT(sitting.enter("time(rrt_connect {}, 0)"), Contains("at least 1, got 0"));
