@@ -391,7 +391,8 @@ TEST_CASE("a run records each shorter path with what it cost", "[executor][anyti
 }
 
 TEST_CASE("a guided search keeps its path where the planner beside it ends without one", "[executor][anytime]") {
-  const auto star = PlannerSpec::make("rrt_star", {{"proposals", std::int64_t{200}}, {"improve", std::int64_t{100000}}});
+  const auto star =
+      PlannerSpec::make("rrt_star", {{"proposals", std::int64_t{200}}, {"improve", std::int64_t{100000}}});
   const auto problem = test::trap_problem();
   std::size_t kept = 0;
   for (std::uint64_t seed = 1; seed <= 15; ++seed) {

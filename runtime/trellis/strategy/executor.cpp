@@ -99,7 +99,8 @@ void check_growth(const RunCost& step, const RunCost& cost) {
     return std::isfinite(sum) && difference >= -rounding * std::abs(sum);
   };
   if (grows(step.checks, cost.checks) && grows(step.work, cost.work)) return;
-  throw Fault(fmt::format("a step of the guided search has cost {} checks and {} units of work", step.checks, step.work));
+  throw Fault(
+      fmt::format("a step of the guided search has cost {} checks and {} units of work", step.checks, step.work));
 }
 
 /// A run, from its levels to its record.
