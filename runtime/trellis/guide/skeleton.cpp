@@ -255,7 +255,8 @@ class GraphBuilder {
         table_(cached_base(scene, instance.space, {clearance})) {
     if (scene.planar() != nullptr && clearance > 0.0) {
       const auto disc = std::make_shared<PlanarScene>(planar(scene).world, Robot::disc(clearance));
-      disc_ = make_validity("planar", disc, instance.space, std::min(instance.resolution, clearance), nullptr);
+      disc_step_ = std::min(instance.resolution, clearance);
+      disc_ = make_validity("planar", disc, instance.space, disc_step_, nullptr);
     }
     if (build(scene) || !disc_) return;
     // An end lies where the axis is wide and leads to a narrow place.
@@ -295,12 +296,22 @@ class GraphBuilder {
     }
     return joined_;
   }
-  /// Whether the disc of the least clearance can move between two places. The checks count.
+  /// Whether the disc of the least clearance can move between two places: in steps as long as its distance from the
+  /// obstacles, or as the resolution where that is longer. Each distance counts.
   bool disc_moves(View a, View b) {
     if (!disc_) return true;
-    const MotionReport report = disc_->motion(a, b);
-    instance_.checks.validity += report.checks;
-    return report.valid;
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+    Configuration q(dimension_);
+    for (double done = 0.0;; done = std::min(length, done)) {
+      instance_.space.interpolate(a, b, length > 0.0 ? done / length : 0.0, q);
+      ++instance_.checks.validity;
+      ++instance_.checks.alone;
+      instance_.checks.other += search_cost::clearance;
+      const double room = disc_->clearance(q);
+      if (!(room > 0.0)) return false;
+      if (done >= length) return true;
+      done += std::max(room, disc_step_);
+    }
   }
   /// Whether the disc of the least clearance is free at a place. The check counts.
   bool disc_stands(View q) {
@@ -444,6 +455,7 @@ class GraphBuilder {
   double clearance_;
   EdgeTable table_;
   std::shared_ptr<Validity> disc_;  ///< of the least clearance; nullptr: none is asked for
+  double disc_step_ = 0.0;          ///< the resolution of its motions, metres
   bool parts_ = false;              ///< the graph has parts of edges
   bool joined_ = true;
   Graph graph_;
