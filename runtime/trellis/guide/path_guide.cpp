@@ -477,7 +477,22 @@ Configurations PathGuide::refuted_places() const {
   return places;
 }
 
+void PathGuide::refute_lost_path() {
+  if (relaxes() || only_path_ || current_ == nullptr || current_->stale()) return;
+  // Between two changes of what is excluded the path stays valid.
+  if (std::exchange(lost_checked_at_, sub_->epoch()) == sub_->epoch()) return;
+  const Configurations path = current_->lifted_path();
+  if (path.dimension() != sub_->space.dimension()) return;
+  Validity& validity = *sub_->validity;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const View a = std::as_const(path)[i - 1], b = std::as_const(path)[i];
+    const bool lost = validity.excluded(a, b) || (!validity.spends_checks() && !validity.motion(a, b).valid);
+    if (lost) return current_->refute();
+  }
+}
+
 void PathGuide::found_invalid(View q) {
+  refute_lost_path();
   if (!excludes() || only_path_ || current_ == nullptr || path_settings_.evidence <= 0) return;
   found_invalid_->add(q);
   const auto there = static_cast<std::int64_t>(found_invalid_->count(q));
@@ -488,6 +503,7 @@ void PathGuide::found_invalid(View q) {
 }
 
 void PathGuide::avoid(View place) {
+  refute_lost_path();
   if (!excluding_ || !excludes()) return;
   Configuration s(sub_->space.dimension());
   project(place, s);
@@ -576,6 +592,7 @@ std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance
   auto h = follower(parent, found->path, found->solved());
   if (tree_) h = std::make_unique<TreeAndPath>(tree_, std::move(h));
   current_ = h.get();
+  lost_checked_at_.reset();
   return h;
 }
 

@@ -360,6 +360,8 @@ class PathGuide : public Guide, public Repairs {
   /// Excludes a place from S unless it contains the start, or a goal and no other goal would remain.
   /// \return whether it is excluded
   bool exclude_place(View place);
+  /// For S = C, which has lost what C has lost: refutes the path if it is no longer valid there. Costs no check.
+  void refute_lost_path();
   [[nodiscard]] bool leads_through_lost_place(const Configurations& path) const;
   /// Excludes from S what the next path has to differ from. Returns whether to search for a next path.
   bool keep_apart_from(const Configurations& path);
@@ -372,6 +374,7 @@ class PathGuide : public Guide, public Repairs {
   std::string name_;
   PathGuideSettings path_settings_;
   PathFollower* current_ = nullptr;  ///< the last one made; its caller owns it
+  std::optional<std::uint64_t> lost_checked_at_;  ///< epoch of S when `refute_lost_path` last checked `current_`
   Instance* sub_ = nullptr;
   bool only_path_ = false;  ///< a search for another one found none
   bool last_ = false;       ///< follow the next path although it is refuted: no other can exist
