@@ -19,7 +19,9 @@ inline PlannerSpec undivided(const PlannerSpec& planner) {
 }
 
 /// Checks the law against the planner alone on the same seed.
-inline void check_law(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed) {
+/// \param most  of a step; more where one call of a function of a script spends more
+inline void check_law(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
+                      const RunCost& most = companion_step) {
   CAPTURE(strategy.text(), problem.name, seed);
   const RunRecord guided = execute(strategy, problem, seed);
   const RunRecord alone = execute(undivided(strategy.planner()), problem, seed);
@@ -34,6 +36,8 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
   const auto checks = [](const RunRecord& run) { return static_cast<double>(run.validity_checks); };
   CHECK(guided.work == law.guided.work + law.unguided.work);
   CHECK(checks(guided) == law.guided.checks + law.unguided.checks);
+  CHECK(law.largest_step.checks <= most.checks);
+  CHECK(law.largest_step.work <= most.work);
   CHECK(guided.work <= law.bound * alone.work + law.constant.work + law.largest_step.work);
   CHECK(checks(guided) <= law.bound * checks(alone) + law.constant.checks + law.largest_step.checks);
   CHECK(law.unguided.work <= alone.work);

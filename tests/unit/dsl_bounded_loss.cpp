@@ -43,6 +43,10 @@ local point = guiding_space {
 local all = {
   zigzag, goal, point, workspace(), decomposition(), holonomic(), blossom(), joints { "x", "y" }, pca(2), widen(0.1), drop(),
   aggregate(), uniform(), bridge_test(0.6), obstacle_based(), medial_axis(), halton(), informed { cost = 30 },
+  -- Options at their limits: what one call of such a guide spends must not be one step.
+  pca { 2, samples = 5000 }, shrink { 0.5, spacing = 1e-3 }, identity { spacing = 1e-3 }, widen { 0.1, spacing = 1e-3 },
+  skeleton { spacing = 1e-3 }, lazy { sparse = 1e-3 }, decomposition { size = 0.2 }, workspace { cell = 0.05 },
+  gaussian { tries = 10000 }, bridge_test { tries = 10000 }, shrink { 0.9, paths = 4 },
 }
 local strategies = {}
 for i, guide in ipairs(all) do strategies[i] = { tostring(i), guide >> rrt() } end

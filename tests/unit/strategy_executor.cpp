@@ -136,7 +136,7 @@ TEST_CASE("a search in a lazy space validates edges of its candidates at its par
     for (const auto* selector : {"alternate", "fail_fast"}) {
       CAPTURE(event, selector);
       const auto lazy = guide("lazy", {{"event", std::string(event)}, {"selector", std::string(selector)}});
-      const auto run = execute(lazy >> rrt({{"step", 0.5}}), problem, 2);
+      const auto run = execute(lazy >> rrt({{"step", 0.5}, {"bound", 0.0}}), problem, 2);
       check_run(problem, run);
       CHECK(run.solved);
       REQUIRE(run.levels.size() == 2);

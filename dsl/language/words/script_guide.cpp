@@ -19,6 +19,7 @@
 #include <dsl/language/words/known_value.hpp>
 #include <dsl/language/words/scene_values.hpp>
 #include <trellis/base/lua_time.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/lifted.hpp>
@@ -324,6 +325,7 @@ class ScriptValidity final : public Validity {
       : calls_(std::move(calls)), space_(std::move(space)), resolution_(resolution), q_(space_.dimension()) {}
 
   [[nodiscard]] bool state(View q) override {
+    announce_checks(1);
     bool valid = false;
     calls_->ask(Slot::valid, q, nullptr, [&](Stack& stack) {
       const auto answer = stack.size() > 0 ? stack[1].boolean() : std::nullopt;

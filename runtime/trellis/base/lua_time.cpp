@@ -22,6 +22,8 @@ LuaTimer::~LuaTimer() {
   if (--timers == 0) counted += Clock::now() - begin_;
 }
 
+unsigned lua_depth() { return timers; }
+
 double lua_seconds() { return std::chrono::duration<double>(counted).count(); }
 
 }  // namespace trellis

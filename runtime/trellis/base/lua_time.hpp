@@ -21,4 +21,7 @@ class LuaTimer {
 /// is the time in between; timers that have not ended do not count.
 double lua_seconds();
 
+/// Returns the number of LuaTimers of this thread: more than before where a function in Lua has been called since.
+unsigned lua_depth();
+
 }  // namespace trellis

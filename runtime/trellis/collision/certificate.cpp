@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include <trellis/base/slice_monitor.hpp>
+
 namespace trellis {
 
 namespace {
@@ -57,6 +59,7 @@ void add_motion(Certificate& certificate, MotionClearance& motion, double displa
         middles.at(i) = batch[i].middle;
         longest = std::max(longest, batch[i].half);
       }
+      announce_motion_checks(static_cast<std::uint32_t>(batch.size()));
       certificate.checks += batch.size();
       const unsigned apart =
           std::isfinite(keep()) ? motion.apart(std::span(middles).first(batch.size()), longest, keep()) : 0U;

@@ -56,8 +56,8 @@ class InformationGain final : public Heuristic {
 
   Source sample(Stream& stream, MutableView out) override {
     double most = -1.0;
-    parent_.checks.other += search_cost::neighbours * static_cast<double>(settings_.candidates);
     for (std::int64_t i = 0; i < settings_.candidates; ++i) {
+      parent_.spend(search_cost::neighbours);
       space_.sample_uniform(stream, candidate_);
       const double gain = this->gain(candidate_);
       if (gain <= most) continue;

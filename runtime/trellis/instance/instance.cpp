@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <trellis/base/slice_monitor.hpp>
+
 namespace trellis {
 
 std::optional<Proximity> Validity::nearest_obstacle(View q) {
@@ -47,7 +49,53 @@ class StateValidity final : public Validity {
   std::shared_ptr<const MotionModel> model_;
 };
 
+/// Announces a check and the distance from obstacles.
+void announce_distance() {
+  announce_checks(1);
+  announce_work(search_cost::clearance);
+}
+
 }  // namespace
+
+bool CollisionValidity::state(View q) {
+  announce_checks(1);
+  return checker_->valid(q);
+}
+
+MotionReport CollisionValidity::motion(View a, View b) {
+  const std::uint32_t most = checker_->most_checks(a, b);
+  announce_motion_checks(most);
+  MotionReport report = checker_->motion(a, b);
+  withdraw_motion_checks(most - report.checks);
+  report.most_checks = most;
+  return report;
+}
+
+double CollisionValidity::clearance(View q) {
+  announce_distance();
+  return checker_->clearance(q);
+}
+
+std::optional<Contact> CollisionValidity::contact(View q) {
+  announce_checks(1);
+  return checker_->contact(q);
+}
+
+std::optional<Proximity> CollisionValidity::nearest_obstacle(View q) {
+  announce_distance();
+  return checker_->nearest_obstacle(q);
+}
+
+void Instance::announce(const MotionReport& report) {
+  if (report.most_checks == 0) return;
+  announce_motion_checks(report.most_checks);
+  withdraw_motion_checks(report.most_checks - report.checks);
+}
+
+void Instance::spend(double work) {
+  announce_work(work);
+  checks.other += work;
+}
 
 std::uint32_t Instance::drive(View from, View control, std::uint32_t steps, Configurations& states,
                               Configuration* blocked) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <trellis/base/slice_monitor.hpp>
+
 namespace trellis {
 
 struct ManipulatorKinematics::Scratch {
@@ -72,6 +74,7 @@ bool ManipulatorKinematics::solve(MutableView q, const Pose3& target, double nea
   int idle = 0;
   std::vector<char> fixed(columns);
   for (int step = 0; step < most_steps; ++step) {
+    announce_work(search_cost::kinematics);
     ++steps_;
     place(q);
     Vec3 error = target.position - end_.position;

@@ -49,7 +49,7 @@ class EvaluatedGraph {
   };
   /// The edges of a vertex, in their order.
   [[nodiscard]] std::span<const Incident> incident(std::uint32_t vertex) const {
-    context_.instance.checks.other += search_cost::edge * static_cast<double>(first_[vertex + 1] - first_[vertex]);
+    context_.instance.spend(search_cost::edge * static_cast<double>(first_[vertex + 1] - first_[vertex]));
     return std::span(incident_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }
 
@@ -78,7 +78,7 @@ class EvaluatedGraph {
   /// small, with their costs.
   void count_search() {
     const auto size = static_cast<double>(graph_->edges.size() + graph_->vertices.size());
-    context_.instance.checks.other += (in_space() ? search_cost::label : search_cost::edge) * size;
+    context_.instance.spend((in_space() ? search_cost::label : search_cost::edge) * size);
   }
   [[nodiscard]] bool in_space() const {
     return context_.instance.scene != nullptr && context_.instance.scene->world_dimension() == 3;

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <trellis/base/slice_monitor.hpp>
+#include <trellis/instance/instance.hpp>
+
 namespace trellis {
 
 std::uint32_t LifelongSearch::add_vertex(double to_goal, double to_start) {
@@ -41,11 +44,16 @@ void LifelongSearch::offer(std::size_t side, const Arc& arc, double cost) {
   requeue(side, arc.to);
 }
 
+void LifelongSearch::look_at(std::size_t edges) {
+  announce_work(search_cost::edge * static_cast<double>(edges));
+  looked_at_ += edges;
+}
+
 void LifelongSearch::look_ahead(std::size_t side, std::uint32_t vertex) {
   if (vertex != side) {
     double ahead = infinity;
     std::uint32_t parent_edge = none;
-    looked_at_ += vertices_[vertex].arcs.size();
+    look_at(vertices_[vertex].arcs.size());
     for (const Arc& arc : vertices_[vertex].arcs) {
       const double cost = vertices_[arc.to].of[side].cost + arc.cost;
       if (cost < ahead) {
@@ -68,7 +76,7 @@ void LifelongSearch::enter(std::size_t side, std::uint32_t vertex, const Arc& ar
 }
 
 void LifelongSearch::enter_all(std::size_t side, std::uint32_t vertex) {
-  looked_at_ += vertices_[vertex].arcs.size();
+  look_at(vertices_[vertex].arcs.size());
   for (const Arc& arc : vertices_[vertex].arcs) enter(side, vertex, arc);
 }
 
@@ -82,7 +90,7 @@ bool LifelongSearch::counts(const Meeting& meeting) const {
 std::uint32_t LifelongSearch::add_edge(std::uint32_t a, std::uint32_t b, double cost) {
   const auto id = static_cast<std::uint32_t>(edges_.size());
   edges_.push_back({a, b, cost, false});
-  ++looked_at_;
+  look_at(1);
   for (const std::uint32_t end : {a, b}) {
     constexpr std::size_t usual = 8;
     if (vertices_[end].arcs.capacity() == 0) vertices_[end].arcs.reserve(usual);
@@ -185,7 +193,7 @@ void LifelongSearch::raise_changed() {
     label.ahead = infinity;
     label.parent_edge = none;
     if (!expanded) continue;
-    looked_at_ += vertices_[vertex].arcs.size();
+    look_at(vertices_[vertex].arcs.size());
     for (const Arc& arc : vertices_[vertex].arcs) {
       if (vertices_[arc.to].of[side].parent_edge == arc.edge) changed_.emplace_back(side, arc.to);
     }
@@ -203,7 +211,7 @@ void LifelongSearch::expand(std::size_t side) {
   const std::uint32_t id = queues_[side].top().vertex;
   queues_[side].pop();
   ++expanded_;
-  looked_at_ += vertices_[id].arcs.size();
+  look_at(vertices_[id].arcs.size());
   Label& label = vertices_[id].of[side];
   if (label.cost > label.ahead) {
     label.cost = label.ahead;

@@ -87,6 +87,9 @@ class LifelongSearch {
   [[nodiscard]] std::uint64_t looked_at() const { return looked_at_; }
 
  private:
+  /// Counts edges that a search or a repair considers, and announces them (slice_monitor.hpp).
+  void look_at(std::size_t edges);
+
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr std::size_t from_start = 0;
   static constexpr std::size_t from_goal = 1;

@@ -328,7 +328,7 @@ void RoadmapPlanner::grow() {
   }
   if (one_search) {
     if (disconnected_) rebuild_connectivity();
-    context_.instance.checks.other += search_cost::node;
+    context_.instance.spend(search_cost::node);
     insert_found(target_, Known::valid);
   } else {
     insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
@@ -421,7 +421,7 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   } else {
     connection_.find(index_, q, neighbours_);
   }
-  context_.instance.checks.other += search_cost::node;
+  context_.instance.spend(search_cost::node);
   if (unless_there && is_neighbour()) return false;
   insert_found(q, known);
   return true;

@@ -190,13 +190,14 @@ std::string bound_text(const LevelExplanation& level) {
   if (level.common.bound <= 0.0) return "none (bound = 0): h draws its share whatever it costs";
   if (has_companion(level)) {
     return fmt::format(
-        "a run costs at most {} times the checks of {} without guides on the same seed, plus {:g} checks and one step, "
-        "and at most so many times its work, plus {:g} units and one step; {} runs beside the guided search, and the "
+        "a run costs at most {} times the checks of {} without guides on the same seed, plus {:g} checks, and at most "
+        "so many times its work, plus {:g} units; {} runs beside the guided search, and the "
         "first path ends the run; work is CPU time by a model: checks, proposals, searches of graphs, and the set-up "
         "of "
         "guides",
-        marked(level, "bound", level.common.bound), level.planner.name(), companion_constant.checks,
-        companion_constant.work, level.planner.name());
+        marked(level, "bound", level.common.bound), level.planner.name(),
+        companion_constant.checks + companion_step.checks, companion_constant.work + companion_step.work,
+        level.planner.name());
   }
   return fmt::format(
       "proposals from h{} cost at most 0.8 (bound - 1) = {:g} times the work of the other proposals, beyond a grant of "

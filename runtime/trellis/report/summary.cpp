@@ -359,12 +359,16 @@ bool is_anytime(const RunFacts& run) {
 BesideSummary summarise_beside(std::span<const RunFacts* const> runs) {
   BesideSummary beside;
   std::vector<double> shares;
+  std::vector<double> certificates;
   for (const RunFacts* run : runs) {
     const BoundedLoss& law = run->bounded;
     if (law.bound == 0.0) continue;
     ++beside.runs;
     const double all = law.guided.work + law.unguided.work;
     if (all > 0.0) shares.push_back(law.unguided.work / all);
+    beside.largest_step = {std::max(beside.largest_step.checks, law.largest_step.checks),
+                           std::max(beside.largest_step.work, law.largest_step.work)};
+    certificates.push_back(static_cast<double>(run->path_checks));
     beside.unguided_won += law.unguided_won ? 1 : 0;
     if (!law.guides_set_up) {
       ++beside.not_set_up;
@@ -373,6 +377,7 @@ BesideSummary summarise_beside(std::span<const RunFacts* const> runs) {
     }
   }
   beside.unguided_share = median(std::move(shares));
+  beside.certificate_checks = median(std::move(certificates));
   return beside;
 }
 
@@ -749,6 +754,14 @@ std::string beside_text(const RunsSummary& summary) {
                         runs(beside.not_set_up));
   }
   if (beside.no_guided > 0) text += fmt::format("; the guides drew no proposal in {}", runs(beside.no_guided));
+  const RunCost& step = beside.largest_step;
+  if (step.checks > companion_step.checks || step.work > companion_step.work) {
+    text += fmt::format("; one call of a function of the script costs up to {:.0f} checks and {:.0f} units of work",
+                        step.checks, step.work);
+  }
+  if (beside.certificate_checks > 0.0) {
+    text += fmt::format("; the certificate of a path, outside of the bound: {:.0f} checks", beside.certificate_checks);
+  }
   return text;
 }
 

@@ -199,6 +199,8 @@ struct BesideSummary {
   std::size_t unguided_won = 0;                                      ///< runs whose path it found
   std::size_t not_set_up = 0;  ///< runs that it ended before the guides were set up
   std::size_t no_guided = 0;   ///< other runs in which the guides of the root drew no proposal
+  RunCost largest_step;        ///< of all runs
+  double certificate_checks = std::numeric_limits<double>::quiet_NaN();  ///< of the paths found; median
 };
 
 /// The certified paths of runs, and the one of the smallest clearance.

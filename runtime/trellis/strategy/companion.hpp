@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/strategy/root_search.hpp>
 
 namespace trellis {
@@ -18,6 +19,7 @@ class Companion {
   /// \param clock  of the guided search, which stops meanwhile
   void keep_up(const RunCost& cost, Clock& clock) {
     if (search_.ended() || has_reached(cost)) return;
+    const MonitorScope unmonitored(nullptr);
     double* guided = clock.switch_to(nullptr);
     if (account_ != nullptr) run_.clock.switch_to(account_);
     while (!search_.ended() && !has_reached(cost)) search_.step();

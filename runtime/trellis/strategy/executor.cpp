@@ -19,6 +19,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/helper_threads.hpp>
 #include <trellis/base/lua_time.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/companion.hpp>
 #include <trellis/strategy/scale.hpp>
@@ -114,6 +115,7 @@ class Running {
     begin_ = std::chrono::steady_clock::now();
     run_.cpu_begin = thread_seconds();
     run_.lua_begin = lua_seconds();
+    run_.lua_depth = lua_depth();
     run_.problem = problem.name;
     run_.seed = seed;
     run_.seeded = true;
@@ -147,16 +149,19 @@ class Running {
       run_.before_step = [this] { return companion_ends_run(); };
       run_.before_set_up = [this](double work) { return companion_ends_run_before(work); };
     }
+    if (companion_) make_monitor();
     // Otherwise the companion goes first.
     if (set_up_ <= companion_constant.work) set_up();
   }
 
   /// Searches until a path is certified, or until no search is left.
   void search() {
-    if (guides_ == nullptr || is_set_up_ || set_up_after_companion()) {
+    if (!run_.ending && (guides_ == nullptr || is_set_up_ || set_up_after_companion())) {
+      const MonitorScope monitored(monitor());
       while (!root_->ended()) root_->step();
-      note_step();
     }
+    add_uncounted();
+    note_step();
     if (companion_ && !root_->certified() && !run_interrupted()) {
       // What the unguided planner finds, a guided run finds too.
       constexpr double all = std::numeric_limits<double>::infinity();
@@ -271,10 +276,17 @@ class Running {
 
   /// Makes the levels of the guides.
   void set_up() {
-    is_set_up_ = true;
-    guided_before_ = {0.0, set_up_};
+    allowed_ = {0.0, set_up_};
+    run_.set_up_is_counted = true;
     const double before = elapsed();
-    root_->level().guide_by(*guides_);
+    const MonitorScope monitored(monitor());
+    try {
+      root_->level().guide_by(*guides_);
+      is_set_up_ = true;
+    } catch (const SearchEnded&) {
+      run_.abandons_levels = false;
+    }
+    run_.set_up_is_counted = false;
     set_up_seconds_ = elapsed() - before;
   }
   /// Lets the companion do as much work as the set-up costs, then makes the levels of the guides. Returns whether it
@@ -284,7 +296,7 @@ class Running {
     const bool out_of_time = run_.out_of_time && run_.out_of_time();
     if (run_interrupted() || out_of_time || companion_decides({0.0, set_up_})) return false;
     set_up();
-    return true;
+    return is_set_up_;
   }
   /// The cost that the companion must have had before the guided search, which has cost so much, continues.
   [[nodiscard]] RunCost wanted(const RunCost& guided) const {
@@ -300,36 +312,86 @@ class Running {
     return most.checks > done.checks || most.work > done.work;
   }
 
-  /// Called before each step of the guided search: lets the companion catch up. Returns whether the run ends.
+  /// Lets the companion catch up with the guided search, as if that had spent `next` already. Returns whether the run
+  /// ends.
+  /// \param guided  cost of the guided search
+  bool companion_ends_run_before(const RunCost& next, const RunCost& guided) {
+    if (run_.ending) return true;
+    const RunCost most = guided + next;
+    companion_->keep_up(wanted(most), run_.clock);
+    run_.ending = companion_decides(most);
+    if (!run_.ending) {
+      note_step();
+      allowed_ = most;
+    } else if (monitor_) {
+      // Where levels still spend something while they end, SearchEnded ends them.
+      monitor_->end();
+    }
+    return run_.ending;
+  }
+  /// Called before each step of the guided search. Returns whether the run ends.
   bool companion_ends_run() {
     if (run_.ending) return true;
-    const RunCost guided = run_.cost();
-    companion_->keep_up(wanted(guided), run_.clock);
-    run_.ending = companion_decides(guided);
-    // What the levels still do while they end counts with the step before.
-    if (!run_.ending) note_step();
-    return run_.ending;
+    begin_slice();
+    return companion_ends_run_before({}, slice_begun_ + RunCost{0.0, monitor_->other() - other_work()});
+  }
+  /// Called before a further set-up, which is no part of a step. Returns whether the run ends.
+  bool companion_ends_run_before(double set_up) { return companion_ends_run_before({0.0, set_up}, run_.cost()); }
+
+  void make_monitor() {
+    const bool in_space = problem_.scene->world_dimension() == 3;
+    monitor_.emplace(in_space ? 1.0 : search_cost::planar_check, in_space ? 1.0 : search_cost::planar_check_alone,
+                     [this](const Spending& announced, const Spending& next) { return ask(announced, next); });
+  }
+  [[nodiscard]] SliceMonitor* monitor() { return monitor_ ? &*monitor_ : nullptr; }
+  void begin_slice() {
+    slice_begun_ = run_.cost();
+    if (monitor_) monitor_->begin();
+  }
+  /// Called within a step, before the guided search spends more than a slice (SliceMonitor::Ask).
+  bool ask(const Spending& announced, const Spending& next) {
+    // An exception would pass through the script.
+    if (lua_depth() > run_.lua_depth) return false;
+    RunCost guided = run_.cost();
+    // A guide may count its checks after several of them.
+    const double checks = std::max(0.0, announced.checks - (guided.checks - slice_begun_.checks));
+    const RunCost uncounted = {checks, monitor_->checks(checks, true).work + monitor_->other() - other_work()};
+    // All of the set-up was estimated before it began.
+    if (!is_set_up_) guided.work += std::max(0.0, set_up_ - run_.set_up);
+    const RunCost beyond = {std::max(0.0, next.checks - largest_slice.checks),
+                            std::max(0.0, next.work - largest_slice.work)};
+    // The run is stopped between two proposals, of which the companion may have drawn the last one.
+    if (!companion_ends_run_before(beyond, guided + uncounted) && !run_interrupted()) return true;
+    monitor_->end();
+    uncounted_ = uncounted;
+    run_.abandons_levels = true;
+    // The account may belong to what ends now.
+    run_.clock.switch_to(nullptr);
+    throw SearchEnded{};
+  }
+  /// Announced work of the guided search that is neither checks nor proposals, as counted so far: a search of a roadmap
+  /// counts its work at the end of a step. At most what was announced.
+  [[nodiscard]] double other_work() const {
+    double sum = 0.0;
+    for (Level* level : run_.levels) sum += level->instance().checks.other + level->instance().lift_work.total();
+    return std::min(sum, monitor_->other());
+  }
+  /// Adds the checks that the search had made and not counted when it was ended within a step.
+  void add_uncounted() {
+    const double motion_check = monitor_ ? monitor_->checks(1.0, true).work : 0.0;
+    Checks& checks = root_->level().instance().checks;
+    checks.validity += static_cast<std::uint64_t>(uncounted_.checks);
+    checks.other += std::max(0.0, uncounted_.work - motion_check * uncounted_.checks);
+    uncounted_ = {};
   }
 
-  /// Called before a further set-up: lets the companion catch up as if it was done. Returns whether the run ends. What
-  /// is counted before it begins is no part of a step.
-  bool companion_ends_run_before(double set_up) {
-    if (run_.ending) return true;
-    const RunCost guided = run_.cost() + RunCost{0.0, set_up};
-    companion_->keep_up(wanted(guided), run_.clock);
-    run_.ending = companion_decides(guided);
-    if (!run_.ending) guided_before_.work += set_up;
-    return run_.ending;
-  }
-
-  /// Notes the cost of the last step of the guided search.
+  /// Notes what the guided search has spent beyond what the companion allows.
   void note_step() {
     const RunCost guided = run_.cost();
-    check_growth(guided - noted_, guided);
-    noted_ = guided;
-    const RunCost step = guided - guided_before_;
-    largest_step_ = {std::max(largest_step_.checks, step.checks), std::max(largest_step_.work, step.work)};
+    check_growth(guided - guided_before_, guided);
     guided_before_ = guided;
+    const RunCost step = guided - allowed_;
+    largest_step_ = {std::max(largest_step_.checks, step.checks), std::max(largest_step_.work, step.work)};
   }
 
   std::vector<RootSearch*> searches() {
@@ -434,8 +496,11 @@ class Running {
   bool is_set_up_ = false;
   std::optional<RootSearch> root_;
   std::optional<Companion> companion_;
-  RunCost noted_;          ///< of the guided search when its last step was noted
-  RunCost guided_before_;  ///< the same, and what was announced since: a set-up may cost less than its estimate
+  std::optional<SliceMonitor> monitor_;  ///< of the guided search, beside a companion
+  RunCost guided_before_;                ///< of the guided search when it was noted last
+  RunCost allowed_;                      ///< cost of the guided search that the companion has kept up with
+  RunCost slice_begun_;                  ///< cost of the guided search when the monitor began a slice
+  RunCost uncounted_;                    ///< of the guided search when it was ended within a step
   RunCost largest_step_;
   bool companion_decides_ = false;
   bool ended_ = false;
@@ -462,7 +527,7 @@ class Execution::Thread {
   Thread(StrategySpec strategy, Problem problem, std::uint64_t seed, ExecuteOptions options)
       : strategy_(std::move(strategy)), problem_(std::move(problem)), options_(std::move(options)) {
     options_.interrupted = [this, interrupted = options_.interrupted] {
-      while (!abandoned_ && stop_()) wait();
+      while (!abandoned_ && stop_ && stop_()) wait();
       return abandoned_ || (interrupted && interrupted());
     };
     // The levels exist before the first step, so that the run has a record.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/set_up.hpp>
 #include <trellis/planner/loop.hpp>
@@ -40,10 +41,29 @@ SetUp set_up_of(const GuideSpec& guide, const Scene& scene) {
 
 void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
   const SetUp work = set_up_of(guide, scene);
+  const bool first = work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second;
+  const double of_world = first ? work.world / queries : 0.0;
+  if (!set_up_is_counted) announce_work(work.run + of_world);
   set_up += work.run;
-  if (work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second) {
-    set_up += work.world / queries;
-  }
+  set_up += of_world;
+}
+
+void Run::end_searches() {
+  abandons_levels = false;
+  const MonitorScope unmonitored(nullptr);
+  // A level waits for those with higher numbers.
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) (*level)->end_search();
+}
+
+void Run::abandon(Level& level) {
+  std::erase(levels, &level);
+  if (levels.empty()) return;
+  const Instance& from = level.instance();
+  Checks& to = levels.front()->instance().checks;
+  to.validity += from.checks.validity;
+  to.motion += from.checks.motion;
+  to.alone += from.checks.alone;
+  to.other += from.checks.other + from.lift_work.total();
 }
 
 bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
@@ -53,6 +73,8 @@ bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
     if (before_set_up && before_set_up(work.run + work.world)) return false;
     prepared_.insert(world);
     set_up += work.world;
+  } else {
+    announce_work(work.run);
   }
   set_up += work.run;
   return true;
@@ -169,7 +191,7 @@ std::unique_ptr<Planner> Level::make_planner() {
 Advance Level::solve_own(double proposals, const Slice& slice) {
   begin_solve(proposals, slice);
   while (!loop_->ended()) loop_->step();
-  return end_solve();
+  return end_solve(loop_->solution(keeps_path()));
 }
 
 void Level::begin_root_solve() {
@@ -181,8 +203,37 @@ void Level::begin_root_solve() {
 bool Level::step_root_solve() {
   if (!loop_->ended()) loop_->step();
   if (!loop_->ended()) return false;
-  static_cast<void>(end_solve());
+  static_cast<void>(end_solve(loop_->solution(keeps_path())));
   return true;
+}
+
+namespace {
+
+/// Completes the record of a proposal whose result is not known.
+void complete_proposals(Search& search, bool driven) {
+  while (search.fates.size() < search.proposals.size()) {
+    search.fates.push_back(Fate::rejected);
+    search.near.push_back(no_node);
+    search.added.push_back(no_node);
+    if (driven) search.controls.ends.push_back(static_cast<std::uint32_t>(search.controls.steps.size()));
+  }
+}
+
+}  // namespace
+
+void Level::end_search() {
+  complete_proposals(record_.search, instance_->motion_model != nullptr);
+  if (!loop_) return;
+  // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
+  Solution found{Status::interrupted, path_of_start(*instance_)};
+  if (keeps_path() && !run_.improvements.empty()) {
+    Solution best = planner_->solution(Status::budget_spent);
+    if (best.solved()) found = std::move(best);
+  }
+  const auto solves = record_.solves;
+  static_cast<void>(end_solve(std::move(found)));
+  // The level above counts the reason of a further solve when that has returned.
+  if (solves > 0) record_.solves = solves;
 }
 
 void Level::begin_solve(double proposals, const Slice& slice) {
@@ -213,8 +264,7 @@ void Level::begin_solve(double proposals, const Slice& slice) {
                           .stopped = &run_.stopped});
 }
 
-Advance Level::end_solve() {
-  Solution found = loop_->solution(run_.ending && parent_ == nullptr);
+Advance Level::end_solve(Solution found) {
   loop_.reset();
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;
@@ -328,6 +378,7 @@ LevelRecord Level::take_record(bool lift, const Level* companion) {
 
 LevelRecord Level::record_so_far(bool lift, const Level* companion) {
   LevelRecord record = record_;
+  complete_proposals(record.search, instance_->motion_model != nullptr);
   if (loop_) {
     ++record.solves;
     if (!record.solution.solved()) record.solution = planner_->solution(Status::paused);

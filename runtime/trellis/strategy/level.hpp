@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/team.hpp>
 #include <trellis/planner/composed.hpp>
@@ -59,6 +60,7 @@ struct Run {
   int first_solves = 0;                   ///< number of levels whose first solve has ended
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
   double lua_begin = 0.0;                 ///< lua_seconds() of the thread at the beginning of the run
+  unsigned lua_depth = 0;                 ///< lua_depth() of the thread at the beginning of the run
   double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
   std::vector<TeamConflict> conflicts;
@@ -72,6 +74,12 @@ struct Run {
   bool ending = false;  ///< the planner beside the guided search has ended the run
   /// Called before a further set-up of so much work. Returns whether the run ends.
   std::function<bool(double work)> before_set_up;
+  bool set_up_is_counted = false;  ///< the caller has counted the set-up of all guides that are set up now
+  bool abandons_levels = false;    ///< a level that ends now was not completed
+  /// Ends the searches of all levels, after SearchEnded was thrown through them.
+  void end_searches();
+  /// Removes a level that was not completed. The root counts its checks from now on.
+  void abandon(Level& level);
   /// Whether the time of the run is over, by the root's budget of seconds. Empty without such a budget.
   std::function<bool()> out_of_time;
 
@@ -146,15 +154,24 @@ class LevelGuidance final : public Guidance {
       if (divides) slice.work = std::max(left_, least_slice);
       if (slice_left_) slice.work = std::min(slice.work, slice_left_());
       if (has_companion_ && guide_->draws_while_searching()) slice.work = std::min(slice.work, least_slice);
-      Advance advance = guide_->prepare(slice);
-      // The companion draws the planner's own proposals.
-      while (has_companion_ && advance == Advance::unfinished) advance = guide_->prepare(slice);
+      // The guide pays for checks in this level's instance, as those that validate a path's points.
+      const auto count = [this] {
+        count_validation(own().checks - counted_.checks);
+        counted_ = own();
+      };
+      Advance advance = Advance::unfinished;
+      try {
+        advance = guide_->prepare(slice);
+        // The companion draws the planner's own proposals.
+        while (has_companion_ && advance == Advance::unfinished) advance = guide_->prepare(slice);
+      } catch (const SearchEnded&) {
+        count();
+        throw;
+      }
       open_ = advance != Advance::unfinished;
       // A permanently refuted guide draws no more proposals.
       if (common_.bound > 0.0 && guide_->spent()) open_ = false;
-      // The guide pays for checks in this level's instance, as those that validate a path's points.
-      count_validation(own().checks - counted_.checks);
-      counted_ = own();
+      count();
     }
     if (open_ != was_open) ++epoch_;
   }
@@ -409,6 +426,13 @@ class Level {
   Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
         const PlannerSpec& planner, std::shared_ptr<Guide> lift);
 
+  /// See Run::abandon.
+  ~Level() {
+    if (run_.abandons_levels) run_.abandon(*this);
+  }
+  Level(const Level&) = delete;
+  Level& operator=(const Level&) = delete;
+
   void guide_by(const GuideSpec& spec) {
     guide_spec_ = spec;
     guidance_.set_guide(make_guidance(run_, *this, spec));
@@ -441,6 +465,8 @@ class Level {
   void begin_root_solve();
   /// \return whether the solve ended
   bool step_root_solve();
+  /// Ends a solve that SearchEnded has left between two steps: the result of the last proposal is not known.
+  void end_search();
   /// As `solve`, but within a slice. A search that the slice ends is unfinished; the next call continues it.
   Advance advance(double proposals, const Slice& slice);
   /// Work of this level, in validity checks: checks, proposals, and what searches of graphs do besides.
@@ -495,7 +521,9 @@ class Level {
   [[nodiscard]] Advance solve_own(double proposals, const Slice& slice);
   /// A solve, step by step. `end_solve` may be called when the loop has ended.
   void begin_solve(double proposals, const Slice& slice);
-  [[nodiscard]] Advance end_solve();
+  [[nodiscard]] Advance end_solve(Solution found);
+  /// Whether an interrupted search of an anytime planner is solved by the path that it has.
+  [[nodiscard]] bool keeps_path() const { return run_.ending && parent_ == nullptr; }
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
   /// Ends this level's turn while a level below is solved.
   void pause();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/excluded.hpp>
 #include <trellis/instance/certified_validity.hpp>
 #include <trellis/instance/half_turns.hpp>
@@ -68,6 +69,7 @@ class PathCheck {
     PathCheck& check_;
     Clock::time_point begin_;
     double cpu_begin_;
+    MonitorScope unmonitored_{nullptr};
   };
 
   [[nodiscard]] std::optional<InvalidPlace> refute(const Configurations& path) {
@@ -99,8 +101,34 @@ class RootSearch {
   }
 
   void step() {
+    try {
+      take_step();
+    } catch (const SearchEnded&) {
+      run_.end_searches();
+      if (root_.found()) return decide();
+      status_ = Status::interrupted;
+      certified_ = false;
+      end();
+    }
+  }
+
+  [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] bool certified() const { return certified_; }
+  /// The status with which it ended.
+  [[nodiscard]] Status status() const { return status_; }
+  /// The last path found.
+  [[nodiscard]] const Configurations& path() const { return path_; }
+  [[nodiscard]] std::uint64_t refuted_paths() const { return refuted_paths_; }
+  [[nodiscard]] Level& level() { return root_; }
+  [[nodiscard]] PathCheck& check_path() { return check_path_; }
+
+ private:
+  void take_step() {
     if (!std::exchange(begun_, true)) root_.begin_root_solve();
-    if (!root_.step_root_solve()) return;
+    if (root_.step_root_solve()) decide();
+  }
+  /// Certifies the path of a solve that has ended. Begins another solve where it cannot be certified.
+  void decide() {
     status_ = root_.solution().status;
     if (!root_.found()) {
       end();
@@ -120,18 +148,6 @@ class RootSearch {
     root_.refute();
     root_.begin_root_solve();
   }
-
-  [[nodiscard]] bool ended() const { return ended_; }
-  [[nodiscard]] bool certified() const { return certified_; }
-  /// The status with which it ended.
-  [[nodiscard]] Status status() const { return status_; }
-  /// The last path found.
-  [[nodiscard]] const Configurations& path() const { return path_; }
-  [[nodiscard]] std::uint64_t refuted_paths() const { return refuted_paths_; }
-  [[nodiscard]] Level& level() { return root_; }
-  [[nodiscard]] PathCheck& check_path() { return check_path_; }
-
- private:
   void make_revisable() {
     validity_ = std::make_shared<RevisableValidity>(root_.instance().validity);
     root_.instance().validity = validity_;

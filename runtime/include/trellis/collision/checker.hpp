@@ -24,6 +24,9 @@ struct MotionReport {
   /// The parameter on [0, 1] from a to b of the first invalid configuration (in that order); NaN for a valid motion. Of
   /// a point it may lie between the checked configurations.
   double invalid_at = std::numeric_limits<double>::quiet_NaN();
+  /// The number of checks that would have been made had all of them been valid, where a checker made the report; 0
+  /// elsewhere.
+  std::uint32_t most_checks = 0;
 };
 
 /// A contact of the robot at a configuration.
@@ -69,6 +72,8 @@ class Checker {
   /// Validates the motion from a to b.
   /// \param a  valid; it is not checked
   [[nodiscard]] virtual MotionReport motion(View a, View b) const = 0;
+  /// Returns n as defined above: what `motion` checks at most.
+  [[nodiscard]] virtual std::uint32_t most_checks(View a, View b) const = 0;
   /// Adds the motion from a to b, both included, to a certificate that is valid so far. What has no collision geometry,
   /// the bounds of the space and limits of a motion model, is not part of it.
   virtual void certify(View a, View b, Certificate& certificate) const = 0;

@@ -105,12 +105,13 @@ class CollisionValidity final : public Validity {
   /// \param make  makes the checker, and equal ones for other threads, by which it is called too
   explicit CollisionValidity(std::function<std::unique_ptr<Checker>()> make)
       : make_(std::move(make)), checker_(make_()) {}
-  [[nodiscard]] bool state(View q) override { return checker_->valid(q); }
-  [[nodiscard]] MotionReport motion(View a, View b) override { return checker_->motion(a, b); }
+  /// These announce their checks (slice_monitor.hpp).
+  [[nodiscard]] bool state(View q) override;
+  [[nodiscard]] MotionReport motion(View a, View b) override;
   void certify(View a, View b, Certificate& certificate) override { checker_->certify(a, b, certificate); }
-  [[nodiscard]] double clearance(View q) override { return checker_->clearance(q); }
-  [[nodiscard]] std::optional<Contact> contact(View q) override { return checker_->contact(q); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return checker_->nearest_obstacle(q); }
+  [[nodiscard]] double clearance(View q) override;
+  [[nodiscard]] std::optional<Contact> contact(View q) override;
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override;
   [[nodiscard]] double invalid_radius(View q) override { return checker_->invalid_radius(q); }
   [[nodiscard]] std::shared_ptr<Validity> for_thread() const override {
     return std::make_shared<CollisionValidity>(make_);
@@ -255,11 +256,15 @@ class Instance {
   [[nodiscard]] bool is_verified(View a, View b) const {
     return verified && verified->epoch() == epoch() && verified->contain(a, b);
   }
+  /// Counts work that is neither checks nor proposals, and announces it (slice_monitor.hpp).
+  /// \param work  in units of search_cost
+  void spend(double work);
   /// Checks and counts the motion, unless it was verified before: then it counts nothing.
   /// \param a  valid; the caller has checked it
   /// \param known  the validity's report of this motion, where it was asked before; nullptr: asks it
   [[nodiscard]] MotionReport motion(View a, View b, const MotionReport* known = nullptr) {
     if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
+    if (known != nullptr) announce(*known);
     const MotionReport report = known != nullptr ? *known : validity->motion(a, b);
     if (validity->spends_checks()) {
       checks.validity += report.checks;
@@ -316,6 +321,8 @@ class Instance {
   std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
 
  private:
+  /// Announces the checks of a motion that another thread has made, as that motion announces them.
+  static void announce(const MotionReport& report);
   /// A distance from obstacles counts as a check, and its work as more.
   void count_distance() {
     if (!validity->spends_checks()) return;

@@ -57,7 +57,7 @@ Settings<S> with_common(Settings<S> settings) {
                   "completeness rests on the guide alone");
   settings.number("bound", &S::bound, "factor", Range::zero_or_above(1.0),
                   "of a guided planner at the root: a run costs at most so many times what this planner costs without "
-                  "guides on the same seed, plus 800 validity checks (of work 1200 units) and one step. The planner "
+                  "guides on the same seed, plus 864 validity checks (of work 1400 units). The planner "
                   "runs beside its guided search, and the first path ends the run. Below the root it limits guided "
                   "work: that of guided proposals and of the levels below is at most 0.8 (bound - 1) times that of "
                   "unguided proposals, beyond a grant for what a straight path costs to check and for progress along "

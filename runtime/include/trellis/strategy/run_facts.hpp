@@ -70,14 +70,18 @@ struct TeamConflict {
 
 /// The constants of bounded loss.
 inline constexpr RunCost companion_constant = {800.0, 1200.0};
+/// What the guided search spends at most between two comparisons with the planner beside it, except in one call of a
+/// function of a script.
+inline constexpr RunCost companion_step = {64.0, 200.0};
 
 /// The shares of a guided run in its cost. Bounded loss, of checks as of work: guided + unguided <=
-/// bound * U + constant + largest_step, where U is the cost of the same planner without guides on this seed, which is
-/// at least `unguided`.
+/// bound * U + constant + largest_step, where largest_step is at most companion_step, and U is the cost of the same
+/// planner without guides on this seed, which is at least `unguided`.
 struct BoundedLoss {
   double bound = 0.0;  ///< 0: the guided search ran alone
   RunCost constant;
-  RunCost largest_step;  ///< of the guided search: between two places where it can wait, or up to its end
+  RunCost largest_step;  ///< of the guided search: between two places where it can wait, or up to its end. A part that
+                         ///< was announced before it began does not count
   RunCost guided;        ///< of all levels
   RunCost unguided;      ///< of the planner that ran beside them without guides
   double set_up = 0.0;   ///< work of the guides' set-up: part of `guided`, or an estimate where they were not set up

@@ -205,6 +205,10 @@ class FclChecker final : public Checker {
            std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meeting(pair); });
   }
 
+  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
+    return configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+  }
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);

@@ -187,6 +187,10 @@ class PlanarChecker final : public Checker {
     return (touched(pieces_, false, cull_each, 1) & 1U) == 0;
   }
 
+  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
+    return configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+  }
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);

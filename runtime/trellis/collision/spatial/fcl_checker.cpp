@@ -394,6 +394,10 @@ class SpatialFclChecker final : public Checker {
     return clearance < 0.0 ? -1.0 : std::max(std::min(clearance, margin), 0.0);
   }
 
+  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
+    return configurations_of(robot_.displacement_bound(a, b), resolution_);
+  }
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const double displacement = robot_.displacement_bound(a, b);
@@ -946,6 +950,10 @@ class SpatialTeamChecker final : public Checker {
     return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meet(pair); });
   }
 
+  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
+    return configurations_of(robot_.displacement_bound(a, b), resolution_);
+  }
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const Motions motions(*this, a, b);

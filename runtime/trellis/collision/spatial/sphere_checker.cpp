@@ -65,6 +65,10 @@ class SphereChecker final : public Checker {
     return batched_ ? !touches(q) : free_at(q);
   }
 
+  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
+    return configurations_of(displacement(a, b), resolution_);
+  }
   [[nodiscard]] MotionReport motion(View a, View b) const override {
     if (stands_in_contact_ || !is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
       return {false, 1, 1.0};
