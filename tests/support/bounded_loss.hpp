@@ -33,6 +33,15 @@ inline void check_law(const StrategySpec& strategy, const Problem& problem, std:
     REQUIRE((cost.checks >= 0.0 && cost.checks < 1e12));
     REQUIRE((cost.work >= 0.0 && cost.work < 1e12));
   }
+  // A search that ended within a step has a complete record.
+  for (const LevelRecord& level : guided.levels) {
+    const Search& search = level.search;
+    const std::size_t proposals = search.proposals.size();
+    REQUIRE((search.fates.size() == proposals && search.near.size() == proposals && search.added.size() == proposals));
+    REQUIRE(search.proposal_sources.size() == proposals);
+    REQUIRE(search.parents.size() == search.nodes.size());
+    REQUIRE((search.validated.empty() || search.validated.size() == search.nodes.size()));
+  }
   const auto checks = [](const RunRecord& run) { return static_cast<double>(run.validity_checks); };
   CHECK(guided.work == law.guided.work + law.unguided.work);
   CHECK(checks(guided) == law.guided.checks + law.unguided.checks);

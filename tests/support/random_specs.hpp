@@ -23,6 +23,10 @@ class RandomSpecs {
   explicit RandomSpecs(std::uint64_t seed, double bound = 0.0, std::vector<GuideSpec> others = {})
       : stream_(seed, "specs", "random"), bound_(bound), others_(std::move(others)) {}
 
+  /// As above, but all components are drawn from `components`, and the planner at the root from `roots`.
+  RandomSpecs(std::uint64_t seed, double bound, std::vector<GuideSpec> components, std::vector<PlannerSpec> roots)
+      : stream_(seed, "specs", "random"), bound_(bound), others_(std::move(components)), roots_(std::move(roots)) {}
+
   /// \param depth  of what is combined, at the most
   GuideSpec guide(int depth) {
     if (depth <= 1 || stream_.uniform() < 0.15) return component();
@@ -74,7 +78,8 @@ class RandomSpecs {
   }
 
   GuideSpec component() {
-    if (!others_.empty() && stream_.uniform() < 0.6) return others_[stream_.below(others_.size())];
+    const double share = roots_.empty() ? 0.6 : 1.0;
+    if (!others_.empty() && stream_.uniform() < share) return others_[stream_.below(others_.size())];
     switch (stream_.below(7)) {
       case 0: return GuideSpec::make("skeleton", {});
       case 1: return searched("shrink", {{"scale", 0.3 + 0.1 * static_cast<double>(stream_.below(6))}});
@@ -110,12 +115,18 @@ class RandomSpecs {
       given.emplace_back("bound", bound_);
       given.emplace_back("queries", stream_.uniform() < 0.5 ? 1.0 : 1000.0);
     }
-    return PlannerSpec::make(names[stream_.below(names.size())], given);
+    if (roots_.empty()) return PlannerSpec::make(names[stream_.below(names.size())], given);
+    const PlannerSpec& root = roots_[stream_.below(roots_.size())];
+    for (const auto& entry : root.options().entries()) {
+      if (std::ranges::find(given, entry.first, &Options::Entry::first) == given.end()) given.push_back(entry);
+    }
+    return PlannerSpec::make(root.name(), given);
   }
 
   Stream stream_;
   double bound_;
   std::vector<GuideSpec> others_;
+  std::vector<PlannerSpec> roots_;
 };
 
 }  // namespace trellis::test

@@ -25,15 +25,19 @@ struct SearchEnded {};
 class SliceMonitor {
  public:
   /// Whether the search may continue.
-  /// \param announced  since the last call of `begin`, without `next`
-  /// \param next  announced now
+  /// \param next  announced now, and not yet part of `announced`
   /// \return false: the question cannot be answered now, because a function of a script is running
   /// \throws SearchEnded if the search may not continue
-  using Ask = std::function<bool(const Spending& announced, const Spending& next)>;
+  using Ask = std::function<bool(const Spending& next)>;
 
-  /// \param motion_check, check_alone  the work of a validity check
-  SliceMonitor(double motion_check, double check_alone, Ask ask)
-      : motion_check_(motion_check), check_alone_(check_alone), ask_(std::move(ask)) {}
+  /// Work in units of search_cost.
+  struct Rates {
+    double motion_check = 1.0;
+    double check_alone = 1.0;
+    double proposal = 1.0;
+  };
+
+  SliceMonitor(const Rates& rates, Ask ask) : rates_(rates), ask_(std::move(ask)) {}
 
   /// Begins a slice: the caller has compared all that was spent so far.
   void begin() {
@@ -43,15 +47,22 @@ class SliceMonitor {
   /// From now on every announcement asks: the search ends.
   void end() { limit_ = {-1.0, -1.0}; }
   /// Announces checks and work. The search has spent all that it announced before.
-  void announce(const Spending& next);
-  [[nodiscard]] Spending checks(double count, bool on_motion) const {
-    return {count, count * (on_motion ? motion_check_ : check_alone_)};
+  void announce(const Spending& next) {
+    if (announced_.checks + next.checks > limit_.checks || announced_.work + next.work > limit_.work) ask(next);
+    announced_.checks += next.checks;
+    announced_.work += next.work;
   }
+  [[nodiscard]] Spending checks(double count, bool on_motion) const {
+    return {count, count * (on_motion ? rates_.motion_check : rates_.check_alone)};
+  }
+  void announce_proposal() { announce({0.0, rates_.proposal}); }
   /// Announces work that is no checks.
   void announce_other(double work) {
     announce({0.0, work});
     other_ += work;
   }
+  /// All that was announced since the last call of `begin`.
+  [[nodiscard]] const Spending& announced() const { return announced_; }
   /// All such work that was announced so far.
   [[nodiscard]] double other() const { return other_; }
   /// Takes back announced checks that were not needed.
@@ -61,8 +72,9 @@ class SliceMonitor {
   }
 
  private:
-  double motion_check_;
-  double check_alone_;
+  void ask(const Spending& next);
+
+  Rates rates_;
   Ask ask_;
   Spending announced_;
   double other_ = 0.0;
@@ -82,14 +94,43 @@ class MonitorScope {
   SliceMonitor* outer_;
 };
 
+/// Receives what this thread announces; nullptr: announcements have no effect.
+extern constinit thread_local SliceMonitor* thread_monitor;
+
+/// Whether announcements in this thread reach a monitor.
+[[nodiscard]] inline bool is_monitored() { return thread_monitor != nullptr; }
+
 /// Announces that this thread makes so many checks at most next, of a motion or of single configurations.
 /// \throws SearchEnded if the search may not continue
-void announce_motion_checks(std::uint32_t most);
-void announce_checks(std::uint32_t most);
+inline void announce_motion_checks(std::uint32_t most) {
+  if (is_monitored()) thread_monitor->announce(thread_monitor->checks(most, true));
+}
+inline void announce_checks(std::uint32_t most) {
+  if (is_monitored()) thread_monitor->announce(thread_monitor->checks(most, false));
+}
+/// Announces a proposal, which is counted next.
+/// \throws SearchEnded if the search may not continue
+inline void announce_proposal() {
+  if (is_monitored()) thread_monitor->announce_proposal();
+}
+/// The number of checks that this thread's monitor has received; negative if it has none.
+[[nodiscard]] inline double announced_checks() { return is_monitored() ? thread_monitor->announced().checks : -1.0; }
+/// Announces those of counted checks that were not announced, as that of a configuration beyond the limits of a space.
+/// \param before  value of announced_checks() before these checks; without effect if negative
+/// \throws SearchEnded if the search may not continue
+inline void announce_rest(double before, double counted) {
+  if (before < 0.0 || !is_monitored()) return;
+  const double rest = counted - (thread_monitor->announced().checks - before);
+  if (rest > 0.0) thread_monitor->announce(thread_monitor->checks(rest, false));
+}
 /// Takes back those that a motion did not need.
-void withdraw_motion_checks(std::uint32_t unspent);
+inline void withdraw_motion_checks(std::uint32_t unspent) {
+  if (is_monitored()) thread_monitor->withdraw(thread_monitor->checks(unspent, true));
+}
 /// Announces work that is neither checks nor proposals, in units of search_cost.
 /// \throws SearchEnded if the search may not continue
-void announce_work(double work);
+inline void announce_work(double work) {
+  if (is_monitored()) thread_monitor->announce_other(work);
+}
 
 }  // namespace trellis

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <trellis/base/slice_monitor.hpp>
+#include <trellis/base/thread_scratch.hpp>
 
 namespace trellis {
 
@@ -23,6 +24,12 @@ struct Interval {
   double half;
 };
 
+/// Two generations of intervals, the later ones about half as long.
+struct Generations {
+  std::vector<Interval> present;
+  std::vector<Interval> next;
+};
+
 void divide(std::vector<Interval>& intervals, double from, double to, double displacement, double first) {
   const double parts = std::clamp(std::ceil((to - from) * displacement / first), 1.0, 65536.0);
   const double half = 0.5 * (to - from) / parts;
@@ -33,9 +40,8 @@ void divide(std::vector<Interval>& intervals, double from, double to, double dis
 
 void add_motion(Certificate& certificate, MotionClearance& motion, double displacement, double first,
                 std::span<const double> breaks) {
-  // Generations of intervals, each about half as long as those before it.
-  thread_local std::vector<Interval> intervals;
-  thread_local std::vector<Interval> next;
+  ThreadScratch<Generations> scratch;
+  auto& [intervals, next] = *scratch;
   intervals.clear();
   double from = 0.0;
   for (const double at : breaks) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/changing_world.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
@@ -165,9 +166,11 @@ class Drop final : public PathGuide {
   bool runs_into_what_is_back(const std::vector<std::size_t>& legs) {
     ChangingWorld back(*parent_, parent_->scene->with_obstacles(back_));
     for (const std::size_t i : legs) {
+      const double before = announced_checks();
       const MotionReport report = back.motion(std::as_const(path_)[i], std::as_const(path_)[i + 1]);
       parent_->checks.validity += report.checks;
       ++parent_->checks.motion;
+      announce_rest(before, report.checks);
       if (!report.valid) return true;
     }
     return false;

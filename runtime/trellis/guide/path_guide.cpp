@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kept_tree.hpp>
 #include <trellis/guide/path_steps.hpp>
@@ -379,8 +380,12 @@ bool PathGuide::keep_apart_from(const Configurations& path) {
   }
   // As dense as the balls of `exclude`: half the radius apart.
   const Configurations bottlenecks = excluding_->points_along(path, [&](View q) {
-    if (parents_->spends_checks()) ++sub_->checks.validity;
-    return !parents_->state(q);
+    if (!parents_->spends_checks()) return !parents_->state(q);
+    ++sub_->checks.validity;
+    const double before = announced_checks();
+    const bool valid = parents_->state(q);
+    announce_rest(before, 1.0);
+    return !valid;
   });
   excluding_->exclude_points(bottlenecks);
   return !bottlenecks.empty();

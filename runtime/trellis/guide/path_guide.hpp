@@ -373,7 +373,7 @@ class PathGuide : public Guide, public Repairs {
 
   std::string name_;
   PathGuideSettings path_settings_;
-  PathFollower* current_ = nullptr;  ///< the last one made; its caller owns it
+  PathFollower* current_ = nullptr;               ///< the last one made; its caller owns it
   std::optional<std::uint64_t> lost_checked_at_;  ///< epoch of S when `refute_lost_path` last checked `current_`
   Instance* sub_ = nullptr;
   bool only_path_ = false;  ///< a search for another one found none

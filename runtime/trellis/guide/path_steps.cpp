@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/slice_monitor.hpp>
 
 namespace trellis {
 
@@ -56,12 +57,18 @@ bool SparseValidation::valid(Instance& parent, View q) {
   if (!parent.space.contains(q)) return false;
   if (parent.validity->spends_checks()) {
     ++parent.checks.validity;
-    return parent.validity->needed(q);
+    const double before = announced_checks();
+    const bool valid = parent.validity->needed(q);
+    announce_rest(before, 1.0);
+    return valid;
   }
   if (!parent.validity->state(q)) return false;
   if (!checked_) checked_ = parent.validity_in(parent.scene);
   ++parent.checks.validity;
-  return checked_->state(q);
+  const double before = announced_checks();
+  const bool valid = checked_->state(q);
+  announce_rest(before, 1.0);
+  return valid;
 }
 
 SparsePath SparseValidation::validate(Instance& parent, const Configurations& path, View goal, const PointLift& lift,

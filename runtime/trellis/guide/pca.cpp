@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/principal_axes.hpp>
@@ -457,7 +458,10 @@ class Pca final : public PathGuide {
     for (std::int64_t i = 0; i < settings_.samples * tries_per_sample && found < settings_.samples; ++i) {
       space.sample_uniform(stream, q);
       ++checks.validity;
-      if (!validity.state(q)) continue;
+      const double before = announced_checks();
+      const bool valid = validity.state(q);
+      announce_rest(before, 1.0);
+      if (!valid) continue;
       chart.to(q, y);
       points.insert(points.end(), y.begin(), y.end());
       ++found;

@@ -26,6 +26,8 @@ class RelaxedValidity final : public Validity {
   [[nodiscard]] bool state(View q) override { return own_->state(q); }
   [[nodiscard]] bool needed(View q) override { return c_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
+  /// Other threads check motions in S alone.
+  void announce(View a, View b, const MotionReport& report) override { own_->announce(a, b, report); }
   /// The report counts the checks in both spaces.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override {
     return valid_in_c(a, b) ? MotionReport{true, 0, std::numeric_limits<double>::quiet_NaN()}

@@ -49,6 +49,15 @@ class StateValidity final : public Validity {
   std::shared_ptr<const MotionModel> model_;
 };
 
+/// Apart, so that a search that announces nothing saves no registers for it.
+[[gnu::noinline]] MotionReport announced_motion(const Checker& checker, View a, View b) {
+  const std::uint32_t most = checker.most_checks(a, b);
+  announce_motion_checks(most);
+  const MotionReport report = checker.validate(a, b, most);
+  withdraw_motion_checks(most - report.checks);
+  return report;
+}
+
 /// Announces a check and the distance from obstacles.
 void announce_distance() {
   announce_checks(1);
@@ -63,12 +72,13 @@ bool CollisionValidity::state(View q) {
 }
 
 MotionReport CollisionValidity::motion(View a, View b) {
+  return is_monitored() ? announced_motion(*checker_, a, b) : checker_->motion(a, b);
+}
+
+void CollisionValidity::announce(View a, View b, const MotionReport& report) {
   const std::uint32_t most = checker_->most_checks(a, b);
   announce_motion_checks(most);
-  MotionReport report = checker_->motion(a, b);
   withdraw_motion_checks(most - report.checks);
-  report.most_checks = most;
-  return report;
 }
 
 double CollisionValidity::clearance(View q) {
@@ -86,11 +96,14 @@ std::optional<Proximity> CollisionValidity::nearest_obstacle(View q) {
   return checker_->nearest_obstacle(q);
 }
 
-void Instance::announce(const MotionReport& report) {
-  if (report.most_checks == 0) return;
-  announce_motion_checks(report.most_checks);
-  withdraw_motion_checks(report.most_checks - report.checks);
+double Instance::announced_to_monitor() { return announced_checks(); }
+
+void Instance::announce_missing(double before, std::uint32_t counted, double other) {
+  if (other > 0.0 && announced_checks() < before + counted) announce_work(other);
+  trellis::announce_rest(before, counted);
 }
+
+void Instance::announce_one_proposal() { trellis::announce_proposal(); }
 
 void Instance::spend(double work) {
   announce_work(work);

@@ -29,6 +29,7 @@ class RevisableValidity final : public Validity {
 
   [[nodiscard]] bool state(View q) override { return current_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return current_->motion(a, b); }
+  void announce(View a, View b, const MotionReport& report) override { current_->announce(a, b, report); }
   void certify(View a, View b, Certificate& certificate) override { current_->certify(a, b, certificate); }
   [[nodiscard]] double clearance(View q) override { return current_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return current_->spends_checks(); }

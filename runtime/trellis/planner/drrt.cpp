@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
 #include <trellis/scene/team_times.hpp>
@@ -160,7 +161,10 @@ class Drrt final : public StartTreePlanner {
         robot.space.sample_uniform(context_.proposals, q);
         ++instance.checks.validity;
         ++instance.checks.alone;
-        if (!robot.validity->state(q)) {
+        const double before = announced_checks();
+        const bool valid = robot.validity->state(q);
+        announce_rest(before, 1.0);
+        if (!valid) {
           report(q, {}, q);
           continue;
         }

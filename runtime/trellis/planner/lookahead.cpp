@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/planner/lookahead.hpp>
 
+#include <trellis/base/slice_monitor.hpp>
+
 namespace trellis {
 
 namespace {
@@ -102,6 +104,8 @@ bool Lookahead::compute(Steps& of) {
     if (!context_.guidance.preview(stream, step.proposal)) break;
   }
   if (count_ == 0) return false;
+  // This thread is one of them. The search announces the checks of a step when the step comes.
+  const MonitorScope unmonitored(nullptr);
   context_.helpers->run(count_, [&](std::size_t i, unsigned worker) {
     try {
       of.look_ahead(i, steps_[i], *validities_[worker]);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/planner/tree.hpp>
 
@@ -373,6 +374,7 @@ bool RoadmapPlanner::target_valid() {
   if (instance.validity->spends_checks()) {
     ++instance.checks.validity;
     ++instance.checks.alone;
+    announce_checks(1);
   }
   return *ahead->valid;
 }

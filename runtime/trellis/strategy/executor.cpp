@@ -161,7 +161,7 @@ class Running {
       while (!root_->ended()) root_->step();
     }
     add_uncounted();
-    note_step();
+    note_step(run_.cost());
     if (companion_ && !root_->certified() && !run_interrupted()) {
       // What the unguided planner finds, a guided run finds too.
       constexpr double all = std::numeric_limits<double>::infinity();
@@ -277,7 +277,7 @@ class Running {
   /// Makes the levels of the guides.
   void set_up() {
     allowed_ = {0.0, set_up_};
-    run_.set_up_is_counted = true;
+    run_.estimated_set_up = set_up_;
     const double before = elapsed();
     const MonitorScope monitored(monitor());
     try {
@@ -286,7 +286,7 @@ class Running {
     } catch (const SearchEnded&) {
       run_.abandons_levels = false;
     }
-    run_.set_up_is_counted = false;
+    run_.estimated_set_up = 0.0;
     set_up_seconds_ = elapsed() - before;
   }
   /// Lets the companion do as much work as the set-up costs, then makes the levels of the guides. Returns whether it
@@ -312,16 +312,16 @@ class Running {
     return most.checks > done.checks || most.work > done.work;
   }
 
-  /// Lets the companion catch up with the guided search, as if that had spent `next` already. Returns whether the run
+  /// Lets the companion catch up with the guided search, as if that had spent `more` already. Returns whether the run
   /// ends.
   /// \param guided  cost of the guided search
-  bool companion_ends_run_before(const RunCost& next, const RunCost& guided) {
+  bool companion_ends_run_before(const RunCost& more, const RunCost& guided) {
     if (run_.ending) return true;
-    const RunCost most = guided + next;
+    const RunCost most = guided + more;
     companion_->keep_up(wanted(most), run_.clock);
     run_.ending = companion_decides(most);
     if (!run_.ending) {
-      note_step();
+      note_step(guided);
       allowed_ = most;
     } else if (monitor_) {
       // Where levels still spend something while they end, SearchEnded ends them.
@@ -333,15 +333,21 @@ class Running {
   bool companion_ends_run() {
     if (run_.ending) return true;
     begin_slice();
-    return companion_ends_run_before({}, slice_begun_ + RunCost{0.0, monitor_->other() - other_work()});
+    return companion_ends_run_before({0.0, monitor_->other() - other_work()}, slice_begun_);
   }
   /// Called before a further set-up, which is no part of a step. Returns whether the run ends.
-  bool companion_ends_run_before(double set_up) { return companion_ends_run_before({0.0, set_up}, run_.cost()); }
+  bool companion_ends_run_before(double set_up) {
+    const RunCost guided = run_.cost();
+    return companion_ends_run_before(announced_only(guided) + RunCost{0.0, set_up}, guided);
+  }
 
   void make_monitor() {
     const bool in_space = problem_.scene->world_dimension() == 3;
-    monitor_.emplace(in_space ? 1.0 : search_cost::planar_check, in_space ? 1.0 : search_cost::planar_check_alone,
-                     [this](const Spending& announced, const Spending& next) { return ask(announced, next); });
+    using Rates = SliceMonitor::Rates;
+    monitor_.emplace(in_space ? Rates{1.0, 1.0, 1.0 + search_cost::spatial_guided_proposal}
+                              : Rates{search_cost::planar_check, search_cost::planar_check_alone,
+                                      search_cost::planar_proposal + search_cost::planar_guided_proposal},
+                     [this](const Spending& next) { return ask(next); });
   }
   [[nodiscard]] SliceMonitor* monitor() { return monitor_ ? &*monitor_ : nullptr; }
   void begin_slice() {
@@ -349,19 +355,17 @@ class Running {
     if (monitor_) monitor_->begin();
   }
   /// Called within a step, before the guided search spends more than a slice (SliceMonitor::Ask).
-  bool ask(const Spending& announced, const Spending& next) {
+  bool ask(const Spending& next) {
     // An exception would pass through the script.
     if (lua_depth() > run_.lua_depth) return false;
-    RunCost guided = run_.cost();
-    // A guide may count its checks after several of them.
-    const double checks = std::max(0.0, announced.checks - (guided.checks - slice_begun_.checks));
-    const RunCost uncounted = {checks, monitor_->checks(checks, true).work + monitor_->other() - other_work()};
+    const RunCost guided = run_.cost();
+    const RunCost uncounted = announced_only(guided);
+    RunCost more = uncounted + RunCost{std::max(0.0, next.checks - largest_slice.checks),
+                                       std::max(0.0, next.work - largest_slice.work)};
     // All of the set-up was estimated before it began.
-    if (!is_set_up_) guided.work += std::max(0.0, set_up_ - run_.set_up);
-    const RunCost beyond = {std::max(0.0, next.checks - largest_slice.checks),
-                            std::max(0.0, next.work - largest_slice.work)};
+    if (!is_set_up_) more.work += std::max(0.0, set_up_ - run_.set_up);
     // The run is stopped between two proposals, of which the companion may have drawn the last one.
-    if (!companion_ends_run_before(beyond, guided + uncounted) && !run_interrupted()) return true;
+    if (!companion_ends_run_before(more, guided) && !run_interrupted()) return true;
     monitor_->end();
     uncounted_ = uncounted;
     run_.abandons_levels = true;
@@ -369,10 +373,16 @@ class Running {
     run_.clock.switch_to(nullptr);
     throw SearchEnded{};
   }
+  /// What the guided search has announced and not counted: a guide may count its checks after several of them.
+  /// \param guided  its cost so far
+  [[nodiscard]] RunCost announced_only(const RunCost& guided) const {
+    const double checks = std::max(0.0, monitor_->announced().checks - (guided.checks - slice_begun_.checks));
+    return {checks, monitor_->checks(checks, true).work + monitor_->other() - other_work()};
+  }
   /// Announced work of the guided search that is neither checks nor proposals, as counted so far: a search of a roadmap
   /// counts its work at the end of a step. At most what was announced.
   [[nodiscard]] double other_work() const {
-    double sum = 0.0;
+    double sum = run_.announced_set_up;
     for (Level* level : run_.levels) sum += level->instance().checks.other + level->instance().lift_work.total();
     return std::min(sum, monitor_->other());
   }
@@ -386,8 +396,8 @@ class Running {
   }
 
   /// Notes what the guided search has spent beyond what the companion allows.
-  void note_step() {
-    const RunCost guided = run_.cost();
+  /// \param guided  cost of the guided search
+  void note_step(const RunCost& guided) {
     check_growth(guided - guided_before_, guided);
     guided_before_ = guided;
     const RunCost step = guided - allowed_;

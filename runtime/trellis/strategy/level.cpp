@@ -43,9 +43,16 @@ void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
   const SetUp work = set_up_of(guide, scene);
   const bool first = work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second;
   const double of_world = first ? work.world / queries : 0.0;
-  if (!set_up_is_counted) announce_work(work.run + of_world);
+  announce_set_up(work.run + of_world);
   set_up += work.run;
   set_up += of_world;
+}
+
+void Run::announce_set_up(double work) {
+  // A guide that is set up in the world of another one, with other obstacles, may cost more than was estimated.
+  const double more = std::max(0.0, set_up + work - std::max(set_up, estimated_set_up));
+  announce_work(more);
+  announced_set_up += more;
 }
 
 void Run::end_searches() {
@@ -74,7 +81,7 @@ bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
     prepared_.insert(world);
     set_up += work.world;
   } else {
-    announce_work(work.run);
+    announce_set_up(work.run);
   }
   set_up += work.run;
   return true;
@@ -223,17 +230,18 @@ void complete_proposals(Search& search, bool driven) {
 
 void Level::end_search() {
   complete_proposals(record_.search, instance_->motion_model != nullptr);
-  if (!loop_) return;
-  // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
-  Solution found{Status::interrupted, path_of_start(*instance_)};
-  if (keeps_path() && !run_.improvements.empty()) {
-    Solution best = planner_->solution(Status::budget_spent);
-    if (best.solved()) found = std::move(best);
-  }
   const auto solves = record_.solves;
-  static_cast<void>(end_solve(std::move(found)));
-  // The level above counts the reason of a further solve when that has returned.
-  if (solves > 0) record_.solves = solves;
+  if (loop_) {
+    // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
+    Solution found{Status::interrupted, path_of_start(*instance_)};
+    if (keeps_path() && !run_.improvements.empty()) {
+      Solution best = planner_->solution(Status::budget_spent);
+      if (best.solved()) found = std::move(best);
+    }
+    static_cast<void>(end_solve(std::move(found)));
+  }
+  // The root counts the reason of a further solve before it begins, a level above when it has returned.
+  if (solves > 0) record_.solves = parent_ == nullptr ? 1 + record_.resolves.refuted_path : solves;
 }
 
 void Level::begin_solve(double proposals, const Slice& slice) {

@@ -74,8 +74,9 @@ struct Run {
   bool ending = false;  ///< the planner beside the guided search has ended the run
   /// Called before a further set-up of so much work. Returns whether the run ends.
   std::function<bool(double work)> before_set_up;
-  bool set_up_is_counted = false;  ///< the caller has counted the set-up of all guides that are set up now
-  bool abandons_levels = false;    ///< a level that ends now was not completed
+  double estimated_set_up = 0.0;  ///< the caller has announced `set_up` up to this value
+  double announced_set_up = 0.0;  ///< part of `set_up` that was announced when it was counted
+  bool abandons_levels = false;   ///< a level that ends now was not completed
   /// Ends the searches of all levels, after SearchEnded was thrown through them.
   void end_searches();
   /// Removes a level that was not completed. The root counts its checks from now on.
@@ -93,6 +94,9 @@ struct Run {
   [[nodiscard]] RunCost cost() const;
 
  private:
+  /// Announces set-up work before it is counted, as far as the caller has not announced it.
+  void announce_set_up(double work);
+
   std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
 };
 
@@ -522,8 +526,11 @@ class Level {
   /// A solve, step by step. `end_solve` may be called when the loop has ended.
   void begin_solve(double proposals, const Slice& slice);
   [[nodiscard]] Advance end_solve(Solution found);
-  /// Whether an interrupted search of an anytime planner is solved by the path that it has.
-  [[nodiscard]] bool keeps_path() const { return run_.ending && parent_ == nullptr; }
+  /// Whether an interrupted search of an anytime planner is solved by the path that it has: not in a run that is
+  /// interrupted, which ends the planner beside the search too.
+  [[nodiscard]] bool keeps_path() const {
+    return run_.ending && parent_ == nullptr && !(run_.interrupted && run_.interrupted());
+  }
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
   /// Ends this level's turn while a level below is solved.
   void pause();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/instance/certified_validity.hpp>
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/planner/loop.hpp>
@@ -146,9 +147,11 @@ Configurations TeamPartsSearch::shortened(Level& ended) const {
 void TeamPartsSearch::begin_pruning(const Instance& instance, const Configurations& path) {
   const auto validity = std::make_shared<CertifiedValidity>(instance.validity, coarse_tolerance_of(instance));
   pruning_.emplace(path, [&team = context_.instance, validity](View a, View b) {
+    const double before = announced_checks();
     const MotionReport report = validity->motion(a, b);
     team.checks.validity += report.checks;
     ++team.checks.motion;
+    announce_rest(before, report.checks);
     return report.valid;
   });
 }

@@ -24,9 +24,6 @@ struct MotionReport {
   /// The parameter on [0, 1] from a to b of the first invalid configuration (in that order); NaN for a valid motion. Of
   /// a point it may lie between the checked configurations.
   double invalid_at = std::numeric_limits<double>::quiet_NaN();
-  /// The number of checks that would have been made had all of them been valid, where a checker made the report; 0
-  /// elsewhere.
-  std::uint32_t most_checks = 0;
 };
 
 /// A contact of the robot at a configuration.
@@ -71,7 +68,10 @@ class Checker {
   [[nodiscard]] virtual bool valid(View q) const = 0;
   /// Validates the motion from a to b.
   /// \param a  valid; it is not checked
-  [[nodiscard]] virtual MotionReport motion(View a, View b) const = 0;
+  [[nodiscard]] MotionReport motion(View a, View b) const { return validate(a, b, 0); }
+  /// The same where n is known.
+  /// \param n  as defined above; 0: it is computed
+  [[nodiscard]] virtual MotionReport validate(View a, View b, std::uint32_t n) const = 0;
   /// Returns n as defined above: what `motion` checks at most.
   [[nodiscard]] virtual std::uint32_t most_checks(View a, View b) const = 0;
   /// Adds the motion from a to b, both included, to a certificate that is valid so far. What has no collision geometry,

@@ -19,6 +19,10 @@
 
 namespace trellis {
 
+class SliceMonitor;
+/// Receives what this thread announces (base/slice_monitor.hpp); nullptr: announcements have no effect.
+extern constinit thread_local SliceMonitor* thread_monitor;
+
 /// Decides validity for an instance: by collision checks, or by the presumption of a guiding space. Configurations
 /// have the dimension of the instance's space, which is not checked: another size is undefined behaviour.
 /// It may have scratch memory: only one thread may use it at a time.
@@ -29,6 +33,13 @@ class Validity {
   [[nodiscard]] virtual bool state(View q) = 0;
   /// Checks the motion from a valid `a` to `b`, with the ends as in Checker::motion.
   [[nodiscard]] virtual MotionReport motion(View a, View b) = 0;
+  /// Announces the checks of a motion that a validity made for another thread has checked, as `motion` announces them.
+  /// \param report  of that motion
+  virtual void announce(View a, View b, const MotionReport& report) {
+    static_cast<void>(a);
+    static_cast<void>(b);
+    static_cast<void>(report);
+  }
   /// Adds the motion from a to b, both included, to a certificate that is valid so far. Where no collision check
   /// decides validity, a motion is checked as `motion` checks it.
   virtual void certify(View a, View b, Certificate& certificate) {
@@ -108,6 +119,7 @@ class CollisionValidity final : public Validity {
   /// These announce their checks (slice_monitor.hpp).
   [[nodiscard]] bool state(View q) override;
   [[nodiscard]] MotionReport motion(View a, View b) override;
+  void announce(View a, View b, const MotionReport& report) override;
   void certify(View a, View b, Certificate& certificate) override { checker_->certify(a, b, certificate); }
   [[nodiscard]] double clearance(View q) override;
   [[nodiscard]] std::optional<Contact> contact(View q) override;
@@ -246,15 +258,21 @@ class Instance {
 
   /// Checks the state and counts the check.
   [[nodiscard]] bool valid(View q) {
-    if (validity->spends_checks()) {
-      ++checks.validity;
-      ++checks.alone;
-    }
-    return validity->state(q);
+    if (!validity->spends_checks()) return validity->state(q);
+    ++checks.validity;
+    ++checks.alone;
+    const double before = announced();
+    const bool valid = validity->state(q);
+    announce_rest(before, 1);
+    return valid;
   }
   /// Whether the motion was verified since the last change of the instance.
   [[nodiscard]] bool is_verified(View a, View b) const {
     return verified && verified->epoch() == epoch() && verified->contain(a, b);
+  }
+  /// Announces a proposal, which is counted next (slice_monitor.hpp).
+  static void announce_proposal() {
+    if (thread_monitor != nullptr) announce_one_proposal();
   }
   /// Counts work that is neither checks nor proposals, and announces it (slice_monitor.hpp).
   /// \param work  in units of search_cost
@@ -264,11 +282,13 @@ class Instance {
   /// \param known  the validity's report of this motion, where it was asked before; nullptr: asks it
   [[nodiscard]] MotionReport motion(View a, View b, const MotionReport* known = nullptr) {
     if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
-    if (known != nullptr) announce(*known);
+    const double before = announced();
+    if (known != nullptr && before >= 0.0) validity->announce(a, b, *known);
     const MotionReport report = known != nullptr ? *known : validity->motion(a, b);
     if (validity->spends_checks()) {
       checks.validity += report.checks;
       ++checks.motion;
+      announce_rest(before, report.checks);
     }
     return report;
   }
@@ -276,10 +296,12 @@ class Instance {
   /// \param since  an epoch at which the motion was valid, if known: only later changes are considered
   [[nodiscard]] MotionReport recheck_motion(View a, View b, std::uint64_t since = 0) {
     // Epochs before the present projection say nothing of its validity.
+    const double before = announced();
     const MotionReport report = validity->motion_still_valid(a, b, since > revision ? since - revision : 0);
     if (validity->spends_checks() && report.checks > 0) {
       checks.validity += report.checks;
       ++checks.motion;
+      announce_rest(before, report.checks);
     }
     return report;
   }
@@ -301,15 +323,19 @@ class Instance {
   /// Returns the clearance at q in metres of the workspace (Validity::clearance). It counts as one validity check, and
   /// its work as search_cost::clearance more.
   [[nodiscard]] double clearance(View q) {
-    count_distance();
-    return validity->clearance(q);
+    const double before = count_distance();
+    const double clearance = validity->clearance(q);
+    announce_rest(before, 1, search_cost::clearance);
+    return clearance;
   }
 
   /// Returns the nearest obstacle; counts as `clearance` does.
   /// \throws Error where no collision check decides validity
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) {
-    count_distance();
-    return validity->nearest_obstacle(q);
+    const double before = count_distance();
+    auto nearest = validity->nearest_obstacle(q);
+    announce_rest(before, 1, search_cost::clearance);
+    return nearest;
   }
 
   /// A counter that grows each time the valid set may have changed: through the validity, or through a new projection.
@@ -321,13 +347,25 @@ class Instance {
   std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
 
  private:
-  /// Announces the checks of a motion that another thread has made, as that motion announces them.
-  static void announce(const MotionReport& report);
+  // Checks that were counted and not announced, as that of a configuration beyond the limits of the space, are
+  // announced when they are counted (slice_monitor.hpp).
+  /// The number of checks that the monitor has received; negative without a monitor.
+  [[nodiscard]] static double announced() { return thread_monitor != nullptr ? announced_to_monitor() : -1.0; }
+  /// \param before  announced() before these checks
+  /// \param other  work that is announced with a check
+  static void announce_rest(double before, std::uint32_t counted, double other = 0.0) {
+    if (before >= 0.0) announce_missing(before, counted, other);
+  }
+  [[nodiscard]] static double announced_to_monitor();
+  static void announce_missing(double before, std::uint32_t counted, double other);
+  static void announce_one_proposal();
   /// A distance from obstacles counts as a check, and its work as more.
-  void count_distance() {
-    if (!validity->spends_checks()) return;
+  /// \return announced() before, or -1 where it does not count
+  double count_distance() {
+    if (!validity->spends_checks()) return -1.0;
     ++checks.validity;
     checks.other += search_cost::clearance;
+    return announced();
   }
 };
 

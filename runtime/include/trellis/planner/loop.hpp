@@ -188,6 +188,7 @@ inline Solution run_steps(Planner& planner, const Instance& instance, const Sear
 /// Draws a proposal into `q` and records it together with the current distribution. Its result is recorded after the
 /// extension, by the function below.
 inline void propose(PlannerContext& context, MutableView q) {
+  Instance::announce_proposal();
   const Guidance::Source source = context.guidance.sample(context.proposals, q);
   context.search.density.served(context.guidance);
   context.search.proposals.push(q);

@@ -209,9 +209,9 @@ class FclChecker final : public Checker {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
     return configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
   }
-  [[nodiscard]] MotionReport motion(View a, View b) const override {
+  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
-    const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+    if (n == 0) n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
     bool by_tree = true;
     if (sweepable_) {
       const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/base/slice_monitor.hpp>
+#include <trellis/base/thread_scratch.hpp>
 #include <trellis/collision/common.hpp>
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/planar/distance.hpp>
@@ -191,9 +193,9 @@ class PlanarChecker final : public Checker {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
     return configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
   }
-  [[nodiscard]] MotionReport motion(View a, View b) const override {
+  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
-    const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+    if (n == 0) n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
     const bool in_line = rigid_ && line_between(a, b);
     bool inside = false;
     unsigned candidates = cull_each;
@@ -387,11 +389,6 @@ class PlanarChecker final : public Checker {
     std::vector<Convex> near_obstacles;  ///< of the motion, and others behind them
     std::vector<OpenInterval> open;      ///< a stack
     std::vector<NearPair> near_pairs;    ///< of the open intervals, in ranges
-
-    static TurnMemory& of_thread() {
-      thread_local TurnMemory memory;
-      return memory;
-    }
   };
 
   /// The distances on a motion: inflated pieces decide eight configurations in a step, exact distances the others.
@@ -515,6 +512,7 @@ class PlanarChecker final : public Checker {
     const Box2& bounds = scene_->world.bounds();
     if (box.xlo < bounds.lo.x || box.xhi > bounds.hi.x || box.ylo < bounds.lo.y || box.yhi > bounds.hi.y) return false;
     if (index_.query(box, candidates_.data()) > 0) return false;
+    announce_motion_checks(1);
     ++certificate.checks;
     return true;
   }
@@ -542,6 +540,7 @@ class PlanarChecker final : public Checker {
       }
       if (least <= slack_) return false;
     }
+    announce_motion_checks(1);
     ++certificate.checks;
     certificate.nearest = least;
     certificate.clearance = std::min(certificate.clearance, least);
@@ -558,7 +557,8 @@ class PlanarChecker final : public Checker {
       convex_parts_.resize(parts.size());
       for (std::size_t i = 0; i < parts.size(); ++i) write_convex(parts[i], convex_parts_[i]);
     }
-    TurnMemory& memory = TurnMemory::of_thread();
+    ThreadScratch<TurnMemory> scratch;
+    TurnMemory& memory = *scratch;
     memory.moving.resize(std::max(memory.moving.size(), parts.size()));
     memory.boxes.resize(parts.size());
     auto& near_pairs = memory.near_pairs;
@@ -567,15 +567,21 @@ class PlanarChecker final : public Checker {
         norm(Vec2{line_.difference_x, line_.difference_y}) + std::abs(line_.turn) * robot_.bounding_radius();
     double nearest = certificate.nearest;
     const auto enough = [&] { return certified_share * nearest + slack_; };
-    std::uint64_t checks = 0;
-    constexpr std::uint64_t most = 1U << 20U;
+    std::uint32_t checks = 0;
+    constexpr std::uint32_t most = 1U << 20U;
+    // These checks do not count where they leave the motion undecided.
+    const auto undecided = [&] {
+      withdraw_motion_checks(checks);
+      return false;
+    };
     // Depth first: what an interval leaves undecided its halves decide, and nothing else.
     near_pairs.clear();
     open.assign(1, {0.5, 0.5, 0, 0});
     for (bool first = true; !open.empty(); first = false) {
       const OpenInterval at = open.back();
       open.pop_back();
-      if (++checks > most) return false;
+      announce_motion_checks(1);
+      if (++checks > most) return undecided();
       place_parts(at, memory);
       if (first) find_near_pairs(enough(), memory);
       const std::size_t end = first ? near_pairs.size() : at.end;
@@ -584,13 +590,13 @@ class PlanarChecker final : public Checker {
         const NearPair pair = near_pairs[i];
         if (box_gap(pair, memory) > enough()) continue;
         const MovingConvex::Gap gap = gap_of(pair, memory);
-        if (gap.middle <= slack_) return false;
+        if (gap.middle <= slack_) return undecided();
         nearest = std::min(nearest, gap.middle);
         if (gap.throughout <= enough()) near_pairs.push_back(pair);
       }
       if (near_pairs.size() == end) continue;
       const double half = 0.5 * at.half;
-      if (half * displacement <= certificate.tolerance) return false;
+      if (half * displacement <= certificate.tolerance) return undecided();
       for (const double middle : {at.middle - half, at.middle + half}) {
         open.push_back({middle, half, end, near_pairs.size()});
       }

@@ -398,10 +398,10 @@ class SpatialFclChecker final : public Checker {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
     return configurations_of(robot_.displacement_bound(a, b), resolution_);
   }
-  [[nodiscard]] MotionReport motion(View a, View b) const override {
+  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const double displacement = robot_.displacement_bound(a, b);
-    const std::uint32_t n = configurations_of(displacement, resolution_);
+    if (n == 0) n = configurations_of(displacement, resolution_);
     const Order& order = order_of(n);
     if (!filter_) {
       for (std::uint32_t rank = 0; rank < n; ++rank) {
@@ -954,10 +954,10 @@ class SpatialTeamChecker final : public Checker {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
     return configurations_of(robot_.displacement_bound(a, b), resolution_);
   }
-  [[nodiscard]] MotionReport motion(View a, View b) const override {
+  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const Motions motions(*this, a, b);
-    const std::uint32_t n = configurations_of(robot_.displacement_bound(a, b), resolution_);
+    if (n == 0) n = configurations_of(robot_.displacement_bound(a, b), resolution_);
     const Order& order = order_of(n);
     // By body and index: whether the clearance at another configuration shows that the body is free.
     const std::size_t row = n + std::size_t{1};

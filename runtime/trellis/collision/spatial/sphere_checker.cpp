@@ -69,11 +69,11 @@ class SphereChecker final : public Checker {
     if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
     return configurations_of(displacement(a, b), resolution_);
   }
-  [[nodiscard]] MotionReport motion(View a, View b) const override {
+  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
     if (stands_in_contact_ || !is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
       return {false, 1, 1.0};
     }
-    const std::uint32_t n = configurations_of(displacement(a, b), resolution_);
+    if (n == 0) n = configurations_of(displacement(a, b), resolution_);
     // The end is the first configuration of a motion, and most invalid motions of a search end in contact.
     const bool end_alone = batched_ && end_decides_.pays();
     if (end_alone && touches(b)) {
