@@ -159,7 +159,7 @@ TEST_CASE("an explanation says which parts a combinator has, and who pays for wh
   CHECK_THAT(
       mixed,
       Contains(
-          "a run costs at most 2 (default) times the checks of rrt without guides on the same seed, plus 800 checks"));
+          "a run costs at most 2 (default) times the checks of rrt without guides on the same seed, plus 864 checks"));
   CHECK_THAT(mixed,
              Contains("set-up of all guides: about 181 units of work, with 1 / 1000 (default) of what is kept") &&
                  Contains("it begins at once"));
