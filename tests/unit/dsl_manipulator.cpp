@@ -190,6 +190,38 @@ TEST_CASE("a planning scene of MoveIt is a problem of a robot of links") {
   CHECK_THAT(refused(", { robot = robot.disc(1) }"), Contains("a robot of a URDF file moves"));
 }
 
+TEST_CASE("start and goal of scenes.load name joints and states") {
+  const RobotFolder files;
+  static_cast<void>(files.folder().write("scene.yaml", "world:\n  collision_objects: []\n"));
+  dsl::Session session(files.folder().path().string());
+  const auto load = [&](const std::string& start, const std::string& goal) {
+    return session.problems(
+        "return scenes.load('scene.yaml', { robot = " + arm + ", start = " + start + ", goal = " + goal + " })",
+        "t.lua");
+  };
+  const std::string named = "{ turn = 0, lift = 0.1, elbow = 0.5, roll = 0, wrist = 0.3, flange = 0 }";
+  const auto problems = load(named, "'aside'");
+  CHECK(problems.front().start == Configuration{0, 0.1, 0.5, 0, 0.3, 0});
+  CHECK(
+      problems.front().goals ==
+      session
+          .problems(head + "return problem { world = w, robot = arm, start = " + named + ", goal = 'aside' }", "t.lua")
+          .front()
+          .goals);
+  CHECK(load("{0, 0.1, 0.5, 0, 0.3, 0}", named).front().goal() == problems.front().start);
+  const auto refused = [&](const std::string& start) {
+    return test::fault_of([&] { static_cast<void>(load(start, "'aside'")); });
+  };
+  CHECK_THAT(
+      refused("{ turn = 0, lift = 0.1, elbw = 0.5, roll = 0, wrist = 0, flange = 0 }"),
+      Contains("scenes.load: option 'start': robot 'six' has no joint 'elbw' (did you mean 'elbow'?); there are: "
+               "turn, lift"));
+  CHECK_THAT(refused("{ turn = 0, lift = 0.1 }"), Contains("option 'start': 'elbow', 'roll', 'wrist', 'flange' are "
+                                                           "missing"));
+  CHECK_THAT(refused("'redy'"), Contains("has no configuration 'redy' (did you mean 'ready'?)"));
+  CHECK_THAT(refused("{0, 0.1}"), Contains("option 'start' must have 6 coordinates (turn, lift"));
+}
+
 TEST_CASE("scenes.load leaves out the parts of a scene of MoveIt that `ignore` names") {
   const test::Folder folder;
   folder.write(

@@ -420,9 +420,13 @@ std::vector<Field> load_fields() {
       {"robot", "trellis.Robot|trellis.Manipulator", "a robot",
        "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m; a scene of "
        "MoveIt needs a robot of a URDF file"},
-      {"start", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+      {"start", "number[]|table<string, number>|trellis.Pose|string",
+       "a list of numbers; of a body in space a pose; of a robot of a URDF file a table as { lift = 0.1, elbow = 1 }, "
+       "or the name of a state",
        "the start, in place of the file's or where it has none"},
-      {"goal", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+      {"goal", "number[]|table<string, number>|trellis.Pose|string",
+       "a list of numbers; of a body in space a pose; of a robot of a URDF file a table as { lift = 0.1, elbow = 1 }, "
+       "or the name of a state",
        "the goal, in place of the file's or where it has none"},
       {"ignore", "string[]", "a list of parts of a scene of MoveIt, as { \"octomap\" }",
        "parts that are left out, which are errors otherwise, because other configurations are valid without them: "
@@ -530,6 +534,16 @@ void check_load_table(Stack& call) {
   faults.raise();
 }
 
+/// Returns the problem of a robot of a URDF file whose world is not read yet: what the coordinates are.
+Problem without_world(const SphereModel& robot) {
+  constexpr double wide = 1e6;  // m: no coordinate of a base that moves is near these bounds
+  const World3 world({{-wide, -wide, -wide}, {wide, wide, wide}}, {}, Contain::none);
+  Problem problem;
+  problem.scene = std::make_shared<const ManipulatorScene>(world, robot);
+  problem.space = problem.scene->default_space(1.0);
+  return problem;
+}
+
 /// Reads the table of scenes.load: the name, the robot, start and goal, and the options into `given`.
 ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, std::optional<std::string>& name) {
   ReadOptions options;
@@ -569,11 +583,14 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
   const auto read_end = [&](const char* option, Configuration& end, std::optional<Pose3>& as_pose) {
     const Value value = call[2].field(option);
     if (!value.given()) return;
+    const std::string what = fmt::format("scenes.load: option '{}'", option);
     faults.attempt([&] {
-      if (const auto* pose = value.get<Pose3>()) {
+      if (options.manipulator) {
+        end = read_place(value, what, without_world(*options.manipulator));
+      } else if (const auto* pose = value.get<Pose3>()) {
         as_pose = *pose;
       } else {
-        end = read_numbers(value, fmt::format("scenes.load: option '{}'", option));
+        end = read_numbers(value, what);
       }
     });
   };
