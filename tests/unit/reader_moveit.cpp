@@ -286,6 +286,27 @@ TEST_CASE("the matrix of allowed collisions decides pairs of links", "[reader][m
   CHECK(permits(matrix("", "", ", default_entry_names: [finger], default_entry_values: [true]")));
   CHECK(!permits(matrix("base, finger", "[false, false], [false, false]",
                         ", default_entry_names: [finger], default_entry_values: [true]")));
+  // What the robot's own file permits stays permitted: the matrix is of another model of the robot.
+  const std::string forbidding = matrix("base, upper, finger",
+                                        "[false, false, false], [false, false, false], "
+                                        "[false, false, false]");
+  std::vector<std::string> own;
+  const MoveitFile kept = [&] {
+    const test::Folder folder;
+    ManipulatorFiles robot;
+    robot.urdf = folder.write("arm.urdf", arm);
+    robot.srdf = folder.write("arm.srdf",
+                              "<robot name='arm'><group name='all'><joint name='lift'/><joint name='elbow'/>"
+                              "<joint name='grip'/></group><disable_collisions link1='base' "
+                              "link2='finger' reason='Never'/></robot>");
+    robot.group = "all";
+    return read_moveit(folder.write("scene.yaml", forbidding), read_manipulator(robot, own), {});
+  }();
+  CHECK(valid(kept, folded));
+  REQUIRE(kept.warnings.size() == 1);
+  CHECK_THAT(kept.warnings[0], Contains("scene.yaml:1: the matrix forbids that links touch which the robot's files "
+                                        "permit, and they may touch: 'base' and 'finger'"));
+  CHECK(files.read(forbidding).warnings.empty());
   // Pairs of a link and an object are not read.
   const std::string pair = matrix("upper, wall", "[false, true], [true, false]");
   CHECK_THAT(files.fault(pair),

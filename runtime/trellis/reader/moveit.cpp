@@ -544,7 +544,8 @@ class SceneReader {
     robot_ = robot_.padded(scale, padding);
   }
 
-  /// The matrix of allowed collisions: which pairs of links may touch. Pairs that it does not name stay as they are.
+  /// The matrix of allowed collisions: which pairs of links may touch. It adds to those of the robot's files, which say
+  /// more of this model of the robot: a pair that its SRDF file permits stays permitted.
   void read_permissions(const MoveitObjects& objects) {
     if (!scene_.has("allowed_collision_matrix") || scene_.at("allowed_collision_matrix").empty()) return;
     const YamlEntry matrix = scene_.at("allowed_collision_matrix");
@@ -616,9 +617,25 @@ class SceneReader {
           fmt::format("entries that are neither links nor objects are not read: {}", fmt::join(unknown, ", "))));
     }
     SphereModel::Pairs may_touch;
-    SphereModel::Pairs checked;
-    for (const auto& [pair, may] : named) (may ? may_touch : checked).push_back(pair);
-    if (!named.empty()) robot_ = robot_.with_permissions(may_touch, checked);
+    std::vector<std::string> permitted;
+    const std::vector<Link>& links = robot_.robot().tree().links();
+    for (const auto& [pair, may] : named) {
+      const auto [a, b] = pair;
+      if (may) {
+        may_touch.push_back(pair);
+      } else if (shaped(a) && shaped(b) && !robot_.checked(a, b) && !robot_.always_touch(a, b) &&
+                 !carriers_.contains(a) && !carriers_.contains(b)) {
+        permitted.push_back(fmt::format("'{}' and '{}'", links[a].name, links[b].name));
+      }
+    }
+    if (!permitted.empty()) {
+      const std::size_t shown = std::min<std::size_t>(permitted.size(), 3);
+      warnings_.push_back(matrix.at_line(
+          fmt::format("the matrix forbids that links touch which the robot's files permit, and they may touch: {}{}",
+                      fmt::join(permitted.begin(), permitted.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                      permitted.size() > shown ? fmt::format(" and {} more pairs", permitted.size() - shown) : "")));
+    }
+    if (!may_touch.empty()) robot_ = robot_.with_permissions(may_touch);
   }
 
   /// Adds the pairs that the defaults of the matrix decide: a pair without an entry is checked where one of its two

@@ -47,7 +47,7 @@ SphereModel uncoupled(const SphereModel& model, const std::vector<RobotPair>& pa
       if (one && other && has_pair(pairs, *one, *other)) touching.emplace_back(a, b);
     }
   }
-  return model.with_permissions(touching, {});
+  return model.with_permissions(touching);
 }
 
 }  // namespace

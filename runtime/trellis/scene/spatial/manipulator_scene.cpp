@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
 #include <span>
 
 #include <trellis/base/error.hpp>
@@ -200,6 +199,11 @@ double SphereModel::excess() const {
 bool SphereModel::checked(std::size_t first_link, std::size_t second_link) const {
   const auto [a, b] = std::minmax(first_link, second_link);
   return a != b && !std::binary_search(may_touch_.begin(), may_touch_.end(), std::pair<std::size_t, std::size_t>(a, b));
+}
+
+bool SphereModel::always_touch(std::size_t first_link, std::size_t second_link) const {
+  const auto [a, b] = std::minmax(first_link, second_link);
+  return std::binary_search(touching_.begin(), touching_.end(), std::pair<std::size_t, std::size_t>(a, b));
 }
 
 void SphereModel::divide() {
@@ -503,14 +507,11 @@ SphereModel SphereModel::with_covers(const std::map<std::size_t, MedialCover>& c
   return with;
 }
 
-SphereModel SphereModel::with_permissions(const Pairs& may_touch, const Pairs& checked) const {
-  std::set<std::pair<std::size_t, std::size_t>> pairs(may_touch_.begin(), may_touch_.end());
-  pairs.insert(may_touch.begin(), may_touch.end());
-  for (const auto& pair : checked) {
-    if (!std::binary_search(touching_.begin(), touching_.end(), pair)) pairs.erase(pair);
-  }
+SphereModel SphereModel::with_permissions(const Pairs& may_touch) const {
+  Pairs pairs = may_touch_;
+  pairs.insert(pairs.end(), may_touch.begin(), may_touch.end());
   SphereModel with = *this;
-  with.permit(Pairs(pairs.begin(), pairs.end()));
+  with.permit(std::move(pairs));
   return with;
 }
 

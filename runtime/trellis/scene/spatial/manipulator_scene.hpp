@@ -138,13 +138,16 @@ class SphereModel {
   /// Returns the robot whose joints that do not move are at other values.
   /// \param values  see Manipulator
   [[nodiscard]] SphereModel with_values(const std::vector<std::vector<double>>& values) const;
-  /// Returns the robot with pairs of links that may touch whatever `with_permissions` says, as neighbours may: pairs
-  /// that touch in nearly every configuration. The lesser one first.
+  /// Returns the robot with pairs of links that touch in nearly every configuration, the lesser one first:
+  /// `always_touch` is true of them. They have to be among those that may touch.
   [[nodiscard]] SphereModel with_touching(const Pairs& touching) const;
+  /// Whether two links touch in nearly every configuration: neighbours, links that fixed joints connect, and those of
+  /// `with_touching`.
+  [[nodiscard]] bool always_touch(std::size_t first_link, std::size_t second_link) const;
   /// Returns the robot of which some links have other covers.
   [[nodiscard]] SphereModel with_covers(const std::map<std::size_t, MedialCover>& covers) const;
-  /// Returns the robot with other pairs of links that may touch. Both lists have the lesser link first.
-  [[nodiscard]] SphereModel with_permissions(const Pairs& may_touch, const Pairs& checked) const;
+  /// Returns the robot with more pairs of links that may touch, the lesser one first.
+  [[nodiscard]] SphereModel with_permissions(const Pairs& may_touch) const;
   /// Returns the robot that keeps a distance from obstacles, as MoveIt's link_scale and link_padding have it: each
   /// shape of a link is scaled about its origin, then grown. The links themselves are not, for self-collision: a grown
   /// copy is fixed to each, named "LINK (padded)", which may touch all links.
@@ -193,7 +196,7 @@ class SphereModel {
   std::vector<State> states_;
   std::string world_frame_;
   Distances distances_;  ///< of links of one body, given
-  Pairs touching_;       ///< pairs of links that may touch whatever permissions say, ascending
+  Pairs touching_;       ///< pairs of links that touch in nearly every configuration, ascending
   bool exact_ = true;
   bool covers_shapes_ = true;
   double bounding_radius_ = 0.0;
