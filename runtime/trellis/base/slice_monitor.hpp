@@ -6,6 +6,8 @@
 #include <functional>
 #include <utility>
 
+#include <trellis/base/thread_monitor.hpp>
+
 namespace trellis {
 
 /// Validity checks, and work in units of search_cost.
@@ -93,9 +95,6 @@ class MonitorScope {
  private:
   SliceMonitor* outer_;
 };
-
-/// Receives what this thread announces; nullptr: announcements have no effect.
-extern constinit thread_local SliceMonitor* thread_monitor;
 
 /// Whether announcements in this thread reach a monitor.
 [[nodiscard]] inline bool is_monitored() { return thread_monitor != nullptr; }

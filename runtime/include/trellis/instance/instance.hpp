@@ -12,16 +12,13 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
+#include <trellis/base/thread_monitor.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/instance/verified_motions.hpp>
 #include <trellis/scene/scene.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {
-
-class SliceMonitor;
-/// Receives what this thread announces (base/slice_monitor.hpp); nullptr: announcements have no effect.
-extern constinit thread_local SliceMonitor* thread_monitor;
 
 /// Decides validity for an instance: by collision checks, or by the presumption of a guiding space. Configurations
 /// have the dimension of the instance's space, which is not checked: another size is undefined behaviour.
