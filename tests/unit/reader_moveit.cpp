@@ -304,8 +304,9 @@ TEST_CASE("the matrix of allowed collisions decides pairs of links", "[reader][m
   }();
   CHECK(valid(kept, folded));
   REQUIRE(kept.warnings.size() == 1);
-  CHECK_THAT(kept.warnings[0], Contains("scene.yaml:1: the matrix forbids that links touch which the robot's files "
-                                        "permit, and they may touch: 'base' and 'finger'"));
+  CHECK_THAT(kept.warnings[0],
+             Contains("scene.yaml:1: the matrix forbids some pairs of links to touch; the robot's files "
+                      "permit it, so they may: 'base' and 'finger'"));
   CHECK(files.read(forbidding).warnings.empty());
   // Pairs of a link and an object are not read.
   const std::string pair = matrix("upper, wall", "[false, true], [true, false]");

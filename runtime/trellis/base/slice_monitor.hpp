@@ -20,7 +20,8 @@ struct Spending {
 /// whole before it begins.
 inline constexpr Spending largest_slice{48.0, 128.0};
 
-/// Thrown through a search that may not continue. Only the executor catches it, so it is no std::exception.
+/// Thrown through a search that may not continue. It ends in the search of the root (strategy/root_search.hpp) or in
+/// the executor; guides and planners let it pass, so it is no std::exception.
 struct SearchEnded {};
 
 /// Adds up what a search announces, and asks before the sum exceeds a slice.

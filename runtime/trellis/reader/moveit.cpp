@@ -631,7 +631,7 @@ class SceneReader {
     if (!permitted.empty()) {
       const std::size_t shown = std::min<std::size_t>(permitted.size(), 3);
       warnings_.push_back(matrix.at_line(
-          fmt::format("the matrix forbids that links touch which the robot's files permit, and they may touch: {}{}",
+          fmt::format("the matrix forbids some pairs of links to touch; the robot's files permit it, so they may: {}{}",
                       fmt::join(permitted.begin(), permitted.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
                       permitted.size() > shown ? fmt::format(" and {} more pairs", permitted.size() - shown) : "")));
     }
