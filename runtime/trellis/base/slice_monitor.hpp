@@ -6,8 +6,6 @@
 #include <functional>
 #include <utility>
 
-#include <trellis/base/thread_monitor.hpp>
-
 namespace trellis {
 
 /// Validity checks, and work in units of search_cost.
@@ -83,6 +81,9 @@ class SliceMonitor {
   double other_ = 0.0;
   Spending limit_ = largest_slice;  ///< value of `announced_` beyond which it asks
 };
+
+/// Receives what this thread announces; nullptr: announcements have no effect.
+extern constinit thread_local SliceMonitor* thread_monitor;
 
 /// While one exists, announcements in this thread reach its monitor. Scopes nest; the innermost counts.
 class MonitorScope {

@@ -96,14 +96,14 @@ std::optional<Proximity> CollisionValidity::nearest_obstacle(View q) {
   return checker_->nearest_obstacle(q);
 }
 
-double Instance::announced_to_monitor() { return announced_checks(); }
+double Instance::announced() { return announced_checks(); }
 
 void Instance::announce_missing(double before, std::uint32_t counted, double other) {
   if (other > 0.0 && announced_checks() < before + counted) announce_work(other);
   trellis::announce_rest(before, counted);
 }
 
-void Instance::announce_one_proposal() { trellis::announce_proposal(); }
+void Instance::announce_proposal() { trellis::announce_proposal(); }
 
 void Instance::spend(double work) {
   announce_work(work);

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
-#include <trellis/base/thread_monitor.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/instance/verified_motions.hpp>
 #include <trellis/scene/scene.hpp>
@@ -268,9 +267,7 @@ class Instance {
     return verified && verified->epoch() == epoch() && verified->contain(a, b);
   }
   /// Announces a proposal, which is counted next (slice_monitor.hpp).
-  static void announce_proposal() {
-    if (thread_monitor != nullptr) announce_one_proposal();
-  }
+  static void announce_proposal();
   /// Counts work that is neither checks nor proposals, and announces it (slice_monitor.hpp).
   /// \param work  in units of search_cost
   void spend(double work);
@@ -347,15 +344,13 @@ class Instance {
   // Checks that were counted and not announced, as that of a configuration beyond the limits of the space, are
   // announced when they are counted (slice_monitor.hpp).
   /// The number of checks that the monitor has received; negative without a monitor.
-  [[nodiscard]] static double announced() { return thread_monitor != nullptr ? announced_to_monitor() : -1.0; }
+  [[nodiscard]] static double announced();
   /// \param before  announced() before these checks
   /// \param other  work that is announced with a check
   static void announce_rest(double before, std::uint32_t counted, double other = 0.0) {
     if (before >= 0.0) announce_missing(before, counted, other);
   }
-  [[nodiscard]] static double announced_to_monitor();
   static void announce_missing(double before, std::uint32_t counted, double other);
-  static void announce_one_proposal();
   /// A distance from obstacles counts as a check, and its work as more.
   /// \return announced() before, or -1 where it does not count
   double count_distance() {
