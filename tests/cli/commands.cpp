@@ -753,6 +753,35 @@ TEST_CASE("a report says where the planner alone solved the problem before its g
   }
 }
 
+TEST_CASE("run --once makes each run the only one in its world") {
+  const Place place;
+  place.script("cup.lua",
+               "return experiment { problems = scenes.cup(), seeds = 2, measure = false,\n"
+               "  strategies = { guided = skeleton() >> rrt { bound = 0 } } }\n");
+  const auto work = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--json", "cup.json"});
+    REQUIRE(place.run(arguments).status == 0);
+    return Json::parse(content(place / "cup.json"));
+  };
+  const Json shared = work({"run", "cup.lua"});
+  const Json once = work({"run", "cup.lua", "--once"});
+  const Json parallel = work({"run", "cup.lua", "--once", "--jobs", "2"});
+  CHECK(once["experiment"]["strategies"][0]["text"] == "skeleton() >> rrt { bound = 0, queries = 1 }");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Json& a = shared["runs"][i];
+    const Json& b = once["runs"][i];
+    CHECK(a["queries"] == 1000);
+    CHECK(b["queries"] == 1);
+    CHECK(a["path"] == b["path"]);
+    CHECK(b["work"].get<double>() > b["set_up_work"].get<double>());
+    CHECK(b["work"].get<double>() > 2.0 * a["work"].get<double>());
+    CHECK(parallel["runs"][i]["work"] == b["work"]);
+  }
+  const auto printed = place.run({"run", "cup.lua"});
+  CHECK(printed.out.find("once per world; shared by 1000 queries, by assumption") != std::string::npos);
+  CHECK(place.run({"run", "cup.lua", "--once"}).out.find("in each run (queries = 1)") != std::string::npos);
+}
+
 TEST_CASE("unused parts of a script are reported once, after the report") {
   const Place place;
   place.script("unused.lua",

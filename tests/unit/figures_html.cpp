@@ -114,6 +114,7 @@ std::vector<double> coordinates(const std::string& base64, const Space& space) {
 void forget_times(ExperimentResult& result) {
   for (auto& run : result.runs) {
     run.run.seconds = 0.0;
+    run.run.set_up_seconds = 0.0;
     run.cpu_seconds = 0.0;
     for (auto& improvement : run.run.improvements) improvement.cpu_seconds = 0.0;
     for (auto& level : run.levels) level.record.search.seconds = 0.0;

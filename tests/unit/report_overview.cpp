@@ -194,6 +194,26 @@ TEST_CASE("the set-up of guides has a column where it is more than a tenth of th
   }
 }
 
+TEST_CASE("the report names the assumption by which runs share a set-up", "[report]") {
+  for (const double queries : {1000.0, 1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    auto [experiment, result] = fixture::passage();
+    for (RunResult& run : result.runs) {
+      run.run.work = static_cast<double>(run.run.validity_checks);
+      if (run.strategy != "nested") continue;
+      run.run.set_up = 4000.0;
+      run.run.queries = queries;
+      run.run.set_up_seconds = run.seed == 1 ? 0.017 : 0.001;
+    }
+    const std::string once = "set-up: 4000 checks, 17 ms, once per world; shared by 1000 queries, by assumption\n";
+    const std::string each = "set-up: 4000 checks, 17 ms, in each run (queries = 1)\n";
+    for (const std::string& text :
+         {overview(experiment, result), report_text(summarise(facts_of(experiment, result)))}) {
+      CHECK(has(text, once) == (queries > 1.0));
+      CHECK(has(text, each) == (queries == 1.0));
+    }
+  }
+}
+
 TEST_CASE("the share of functions in Lua has a column where a strategy has such functions", "[report]") {
   for (const double share : {0.0, 0.25}) {
     auto [experiment, result] = fixture::passage();

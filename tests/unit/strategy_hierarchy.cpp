@@ -3,6 +3,8 @@
 // stands now, and motions that are checked once.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -12,6 +14,8 @@
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/set_up.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/searched_guidance.hpp>
 
@@ -62,6 +66,30 @@ class UniformDraws final : public Heuristic {
 
  private:
   UniformGuidance uniform_;
+};
+
+/// A guide that calls a function when it makes h.
+class Observer final : public CustomGuide {
+ public:
+  explicit Observer(std::function<void()> seen)
+      : CustomGuide({.name = "observer", .identity = "observer"}), seen_(std::move(seen)) {}
+  [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite&) const override {
+    class Observing final : public SamplingGuide {
+     public:
+      explicit Observing(const std::function<void()>& seen) : seen_(seen) {}
+      std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+        seen_();
+        return std::make_unique<UniformDraws>(parent.space);
+      }
+
+     private:
+      const std::function<void()>& seen_;
+    };
+    return std::make_unique<Observing>(seen_);
+  }
+
+ private:
+  std::function<void()> seen_;
 };
 
 class Garbage final : public SamplingGuide {
@@ -249,6 +277,54 @@ TEST_CASE("guides are set up only when the planner alone has done as much work",
   // A thousand queries share the medial axis.
   CHECK(set_up_work(skeleton, *passage.scene, 1000.0) < companion_constant.work);
   CHECK(execute(skeleton >> PlannerSpec::make("rrt", {}), passage, 1).levels.size() == 2);
+}
+
+TEST_CASE("a run that is the only one in its world computes its set-ups anew", "[strategy]") {
+  const Problem trap = test::trap_problem();
+  const World& world = planar(*trap.scene).world;
+  const auto shared = cached_medial_axis(world);
+  std::vector<std::shared_ptr<const Skeleton>> seen;
+  const StrategySpec strategy =
+      GuideSpec::make(std::make_shared<Observer>([&] { seen.push_back(cached_medial_axis(world)); })) >>
+      PlannerSpec::make("rrt", {{"bound", 0.0}, {"proposals", std::int64_t{50}}});
+  for (const double queries : {1000.0, 1.0, 1.0, 2.0}) {
+    static_cast<void>(execute(strategy.with("queries", queries), trap, 1));
+  }
+  REQUIRE(seen.size() == 4);
+  CHECK(seen[0] == shared);
+  CHECK(seen[1] != shared);
+  CHECK(seen[2] != shared);
+  CHECK(seen[2] != seen[1]);
+  CHECK(seen[3] == shared);
+  CHECK(cached_medial_axis(world) == shared);
+}
+
+TEST_CASE("a run finds the same with set-ups of its own, and counts all of them", "[strategy][bound]") {
+  const Problem cup = test::cup_problem();
+  const GuideSpec skeleton = GuideSpec::make("skeleton", {});
+  const StrategySpec shared = skeleton >> GuideSpec::make("shrink", {{"scale", 0.5}}) >>
+                              PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}});
+  const StrategySpec own = shared.with("queries", 1.0);
+  CHECK(own.text() == shared.text().substr(0, shared.text().size() - 2) + ", queries = 1 }");
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const RunRecord one = execute(shared, cup, seed);
+    const RunRecord other = execute(own, cup, seed);
+    CHECK(std::ranges::equal(one.path.values(), other.path.values()));
+    CHECK(one.validity_checks == other.validity_checks);
+    CHECK(one.queries == 1000.0);
+    CHECK(other.queries == 1.0);
+    const SetUp axis = set_up_of("skeleton", skeleton.options(), *cup.scene);
+    CHECK(std::abs(other.work - one.work - 0.999 * axis.world) < 1e-6 * axis.world);
+  }
+}
+
+TEST_CASE("an option of a strategy's planner is replaced, below a split too", "[strategy]") {
+  const GuideSpec lazy = GuideSpec::make("lazy", {});
+  const StrategySpec strategy = split(lazy >> PlannerSpec::make("rrt", {{"step", 0.5}}), {.depth = 2});
+  const StrategySpec once = strategy.with("queries", 1.0);
+  CHECK(once == split(lazy >> PlannerSpec::make("rrt", {{"step", 0.5}, {"queries", 1.0}}), {.depth = 2}));
+  CHECK(once.with("queries", 1000.0) == strategy);
+  CHECK_THROWS_AS(strategy.with("querie", 1.0), Error);
 }
 
 TEST_CASE("a guide that is set up again in a changed world counts with all of that world", "[strategy][bound]") {

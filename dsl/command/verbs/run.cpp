@@ -81,6 +81,7 @@ struct RunOptions {
   std::optional<std::size_t> report;   ///< a ReportKind; none: the overview
   bool full = false;                   ///< the full report
   std::optional<std::uint64_t> width;  ///< of the report, in columns
+  bool once = false;
   bool ablate = false;
   std::optional<double> ablation;  ///< Experiment::ablation
   bool watch = false;
@@ -181,6 +182,7 @@ std::string options_text(const RunOptions& options) {
   if (options.ablation) text += fmt::format(" --ablation {:g}", *options.ablation);
   if (!options.problem.empty()) text += fmt::format(" --problem '{}'", options.problem);
   if (!options.strategy.empty()) text += fmt::format(" --strategy '{}'", options.strategy);
+  if (options.once) text += " --once";
   return options.ablate ? text + " --ablate" : text;
 }
 
@@ -379,6 +381,9 @@ dsl::Program program_of(const RunOptions& options, dsl::SessionOptions session) 
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
+  if (options.once) {
+    for (auto& [name, strategy] : program.experiment.strategies) strategy = strategy.with("queries", 1.0);
+  }
   narrow(program.experiment, options);
   if (options.ablation) program.experiment.ablation = *options.ablation;
   if (options.cross) {
@@ -534,6 +539,8 @@ void add_run(CommandLine& line) {
       "--threads", "N", 1, most_jobs, options->threads,
       "threads of each run: they compute ahead for searches without a guide; the results are the same, in less "
       "time for more CPU time (default 1)");
+  verb.flag("--once", options->once,
+            "each run is the only one in its world: it sets up its guides anew, and counts all of that (queries = 1)");
   verb.integer("--cross", "N", 0, dsl::most_seeds, options->cross,
                "paths of other seeds to score each run on, instead of the script's");
   verb.flag("--ablate", options->ablate,

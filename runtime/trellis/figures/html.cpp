@@ -403,8 +403,11 @@ std::string level_table(const StrategySummary& of, bool measured) {
     }
     body += "</tr>\n";
   }
-  const std::string beside = beside_text(summary);
   std::string parts;
+  if (const std::string set_up = set_up_text({&summary}); !set_up.empty()) {
+    parts += fmt::format("<p class=\"muted\">{}</p>\n", escaped(set_up));
+  }
+  const std::string beside = beside_text(summary);
   for (const GuideVerdict& part : of.parts) {
     parts += fmt::format("<p class=\"muted\">{}: {}</p>\n", escaped(part.guide), escaped(verdict_text(part.verdict)));
   }

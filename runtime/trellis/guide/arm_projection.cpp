@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
-#include <map>
-#include <mutex>
 #include <numbers>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <trellis/instance/inverse_kinematics.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 
 namespace trellis {
 
@@ -99,19 +98,10 @@ World reachable_world(const World& world, Vec2 base, double least, double most) 
 /// Caches `reachable_world` for a world and its copies while one of them lives, so that data computed for the result
 /// are reused.
 World cached_reachable_world(const World& world, Vec2 base, double least, double most) {
-  using Key = std::tuple<const void*, double, double, double, double>;
-  struct Slot {
-    std::weak_ptr<const void> world;  // if expired, the address belongs to another world
-    World reachable;
-  };
-  static std::mutex mutex;
-  static std::map<Key, Slot> cache;
-  const std::scoped_lock lock(mutex);
-  std::erase_if(cache, [](const auto& item) { return item.second.world.expired(); });
-  const Key key{world.identity().get(), base.x, base.y, least, most};
-  const auto found = cache.find(key);
-  if (found != cache.end()) return found->second.reachable;
-  return cache.emplace(key, Slot{world.identity(), reachable_world(world, base, least, most)}).first->second.reachable;
+  constexpr std::size_t most_arms = 16;
+  static SetUpCache<World, std::array<double, 4>, most_arms> cache;
+  return *cache.get(world, {base.x, base.y, least, most},
+                    [&](const World& of) { return reachable_world(of, base, least, most); });
 }
 
 }  // namespace

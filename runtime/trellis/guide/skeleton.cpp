@@ -20,9 +20,9 @@
 #include <trellis/guide/position.hpp>
 #include <trellis/guide/position_guide.hpp>
 #include <trellis/planner/nearest.hpp>
-#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/skeleton.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 #include <trellis/scene/spatial/ball_graph.hpp>
 #include <trellis/scene/spatial/box_tree.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
@@ -200,7 +200,7 @@ std::shared_ptr<const SkeletonBase> cached_base(const Scene& scene, const Space&
   SkeletonKey key{passable, {}};
   for (const Axis& axis : space.axes()) key.second.push_back(axis.weight);
   if (scene.planar() != nullptr) {
-    static CacheByWorld<SkeletonBase, SkeletonKey> cache;
+    static SetUpCache<SkeletonBase, SkeletonKey> cache;
     return cache.get(planar(scene).world, key, [&](const World& world) {
       const auto skeleton = cached_medial_axis(world);
       Configurations vertices(space.dimension());
@@ -208,7 +208,7 @@ std::shared_ptr<const SkeletonBase> cached_base(const Scene& scene, const Space&
       return make_base(*skeleton, space, passable, std::move(vertices));
     });
   }
-  static CacheByWorld<SkeletonBase, SkeletonKey> cache;
+  static SetUpCache<SkeletonBase, SkeletonKey> cache;
   return cache.get(spatial(scene).world, key, [&](const World3& world) {
     const auto balls = cached_ball_graph(world);
     Configurations vertices(space.dimension());

@@ -49,6 +49,7 @@ void fields_of_run(R& run, const Field& field) {
   for (const RunQuantity& quantity : run_quantities()) {
     std::visit([&](auto member) { field(quantity.key, run.*member); }, quantity.field);
   }
+  field("queries", run.queries);
   field("certified", run.certified);
   field("path", run.path);
   field("trajectory", run.trajectory);

@@ -484,6 +484,8 @@ RunsSummary summarise(std::span<const RunFacts* const> runs) {
       improvement.push_back(static_cast<double>(run->improvement_checks));
     }
     set_up.push_back(run->set_up);
+    result.set_up_seconds = std::max(result.set_up_seconds, run->set_up_seconds);
+    if (!std::isnan(run->queries)) result.queries = run->queries;
     work.push_back(run->work);
     validity.push_back({static_cast<double>(run->validity_checks), run->solved});
     motion.push_back({static_cast<double>(run->motion_checks), run->solved});
@@ -737,6 +739,21 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
     labels.push_back(fmt::format("{:>{}} {}{}", i, digits, branches, levels[i].name));
   }
   return labels;
+}
+
+std::string set_up_text(const std::vector<const RunsSummary*>& strategies) {
+  const RunsSummary* largest = nullptr;
+  double ms = 0.0;
+  for (const RunsSummary* one : strategies) {
+    if (!(one->set_up_share > least_set_up_share) || std::isnan(one->queries)) continue;
+    // The strategy that ran first has computed it for all.
+    ms = std::max(ms, 1000.0 * one->set_up_seconds);
+    if (largest == nullptr || one->set_up > largest->set_up) largest = one;
+  }
+  if (largest == nullptr) return "";
+  const std::string cost = fmt::format("set-up: {:.0f} checks, {} ms", largest->set_up, fixed(ms, ms < 10.0 ? 1 : 0));
+  if (largest->queries <= 1.0) return cost + ", in each run (queries = 1)";
+  return fmt::format("{}, once per world; shared by {:g} queries, by assumption", cost, largest->queries);
 }
 
 std::string beside_text(const RunsSummary& summary) {

@@ -232,9 +232,11 @@ struct RunsSummary {
   double improvement_checks = std::numeric_limits<double>::quiet_NaN();
   /// Work to set up the guides for a run alone (RunRecord::set_up): the median over the runs.
   double set_up = std::numeric_limits<double>::quiet_NaN();
-  double set_up_share = 0.0;         ///< the same relative to the median work of a run
-  double lua_share = 0.0;            ///< of the CPU time of all runs, in functions in Lua
-  Interval length;                   ///< mean over the solved runs, metres of the metric
+  double set_up_share = 0.0;    ///< the same relative to the median work of a run
+  double set_up_seconds = 0.0;  ///< the longest of a run: that of the first one in its world
+  double queries = std::numeric_limits<double>::quiet_NaN();  ///< RunTotals::queries; NaN without guides
+  double lua_share = 0.0;                                     ///< of the CPU time of all runs, in functions in Lua
+  Interval length;                                            ///< mean over the solved runs, metres of the metric
   Interval makespan, sum_of_costs;   ///< of teams: means over the solved runs, seconds (TeamTimes)
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;
@@ -273,6 +275,11 @@ RunsSummary summarise(const ExperimentFacts& experiment, const std::string& prob
 /// Compares all strategies with the baseline (ablations with the complete strategy) on each problem or, if `together`,
 /// on all problems together. The p values of a quantity are corrected over the returned comparisons.
 std::vector<Comparison> compare(const ExperimentFacts& experiment, bool together);
+
+/// Returns a sentence on the largest set-up that depends on the world, where it is more than `least_set_up_share`: its
+/// cost, and the assumption by which runs share it. Else empty.
+/// \param strategies  of one problem
+std::string set_up_text(const std::vector<const RunsSummary*>& strategies);
 
 /// Returns the names of levels in tables, as a tree: "0 root", "1 └ lazy()", "2   └ shrink(0.5)".
 std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);

@@ -3,9 +3,9 @@
 
 #include <utility>
 
-#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/triangle_cells.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 #include <trellis/scene/spatial/octree_cells.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/visit.hpp>
@@ -14,11 +14,11 @@ namespace trellis {
 
 std::shared_ptr<const Cells> free_cells(const Scene& scene, double size, double needed) {
   if (const PlanarScene* plane = scene.planar()) {
-    static CacheByWorld<TriangleCells, double> triangles;
+    static SetUpCache<TriangleCells, double> triangles;
     return triangles.get(plane->world, size,
                          [&](const World& world) { return TriangleCells(Triangulation(world, size)); });
   }
-  static CacheByWorld<OctreeCells, std::pair<double, double>> boxes;
+  static SetUpCache<OctreeCells, std::pair<double, double>> boxes;
   return boxes.get(*spatial_world(scene), {size, needed},
                    [&](const World3& world) { return OctreeCells(world, size, needed); });
 }

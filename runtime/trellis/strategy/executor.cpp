@@ -20,6 +20,7 @@
 #include <trellis/base/helper_threads.hpp>
 #include <trellis/base/lua_time.hpp>
 #include <trellis/base/slice_monitor.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/companion.hpp>
 #include <trellis/strategy/scale.hpp>
@@ -139,6 +140,8 @@ class Running {
     const PlannerCommon& common = root_->level().common();
     bound_ = options.companion ? common.bound : 0.0;
     run_.queries = common.queries;
+    if (common.queries <= 1.0) own_set_ups_.emplace();
+    const OwnSetUpsScope unshared(own_set_ups());
     guides_ = strategy.guide();
     if (bound_ > 0.0) {
       set_up_ = set_up_work(*guides_, *problem.scene, common.queries);
@@ -156,6 +159,7 @@ class Running {
 
   /// Searches until a path is certified, or until no search is left.
   void search() {
+    const OwnSetUpsScope unshared(own_set_ups());
     if (!run_.ending && (guides_ == nullptr || is_set_up_ || set_up_after_companion())) {
       const MonitorScope monitored(monitor());
       while (!root_->ended()) root_->step();
@@ -178,6 +182,7 @@ class Running {
 
   /// The record so far. Once the search has ended, callable once.
   RunRecord record() {
+    const OwnSetUpsScope unshared(own_set_ups());
     RunRecord record;
     RootSearch& decisive = companion_decides_ ? companion_->search() : *root_;
     record.solved = record.certified = decisive.certified();
@@ -191,7 +196,11 @@ class Running {
       record.motion_checks += level->instance().checks.motion;
     }
     record.work = cost().work;
-    if (is_set_up_) record.set_up = set_up_work(*guides_, *problem_.scene, 1.0);
+    if (is_set_up_) {
+      constexpr double all = std::numeric_limits<double>::infinity();
+      record.set_up = set_up_work(*guides_, *problem_.scene, 1.0);
+      if (record.set_up > set_up_work(*guides_, *problem_.scene, all)) record.queries = run_.queries;
+    }
     record.set_up_seconds = set_up_seconds_;
     if (record.solved) add_path(record, decisive);
     for (RootSearch* search : searches()) {
@@ -250,6 +259,9 @@ class Running {
   }
 
  private:
+  /// nullptr: the run shares what its guides compute of worlds.
+  [[nodiscard]] OwnSetUps* own_set_ups() { return own_set_ups_ ? &*own_set_ups_ : nullptr; }
+
   /// Called by the thread of the run: its CPU time is that thread's.
   void note_times() {
     seconds_ = elapsed();
@@ -496,6 +508,7 @@ class Running {
   const ExecuteOptions& options_;
   std::chrono::steady_clock::time_point begin_;
   std::optional<HelperThreads> helpers_;
+  std::optional<OwnSetUps> own_set_ups_;  ///< of a run that is the only one in its world
   Run run_;
   double setup_ = 0.0;
   double set_up_seconds_ = 0.0;

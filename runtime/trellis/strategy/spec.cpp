@@ -218,6 +218,17 @@ PlannerSpec PlannerSpec::half() const {
   return split(division_->part, settings);
 }
 
+PlannerSpec PlannerSpec::with(const std::string& option, const OptionValue& value) const {
+  std::vector<Options::Entry> given = options_.entries();
+  std::erase_if(given, [&](const Options::Entry& entry) { return entry.first == option; });
+  given.emplace_back(option, value);
+  PlannerSpec spec = make(name_, given, origin_);
+  if (division_) {
+    spec.division_ = std::make_shared<Division>(Division{division_->options, division_->part.with(option, value)});
+  }
+  return spec;
+}
+
 std::string PlannerSpec::text() const {
   if (division_) return combined_text(split_settings().component(), division_->options, {division_->part.text()});
   return name_ + options_text(component(Component::Kind::planner, name_), options_, "");
@@ -584,6 +595,12 @@ StrategySpec::StrategySpec(PlannerSpec planner) : planner_(std::move(planner)) {
 StrategySpec::StrategySpec(PlannerSpec planner, GuideSpec guide)
     : planner_(std::move(planner)), guide_(std::move(guide)) {
   check_root(planner_);
+}
+
+StrategySpec StrategySpec::with(const std::string& option, const OptionValue& value) const {
+  StrategySpec spec = *this;
+  spec.planner_ = planner_.with(option, value);
+  return spec;
 }
 
 std::string StrategySpec::text() const {

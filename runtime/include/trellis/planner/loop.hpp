@@ -62,9 +62,11 @@ Settings<S> with_common(Settings<S> settings) {
                   "work: that of guided proposals and of the levels below is at most 0.8 (bound - 1) times that of "
                   "unguided proposals, beyond a grant for what a straight path costs to check and for progress along "
                   "a guiding path. 0: no limit");
-  settings.number("queries", &S::queries, "runs", Range::at_least(1),
-                  "of a guided planner at the root with a bound: runs in this world that share what is set up for the "
-                  "world alone, as its medial axis; a run counts one part of that work. 1 for a single query");
+  settings.number(
+      "queries", &S::queries, "runs", Range::at_least(1),
+      "of a guided planner at the root with a bound: runs in this world that share what is set up for the "
+      "world alone, as its medial axis, by assumption; a run counts one part of that work. 1 for a single query: "
+      "each run computes all of it anew");
   // Nodes have 32-bit numbers.
   settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");

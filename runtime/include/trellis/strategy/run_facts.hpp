@@ -111,6 +111,8 @@ struct RunTotals {
   /// The work to set up the guides for this run alone; 0 where they were not set up. `work` counts
   /// one part in `queries` of what depends on the world alone, as its medial axis.
   double set_up = 0.0;
+  /// The runs that share that, by assumption (PlannerCommon::queries). NaN where nothing depends on the world alone.
+  double queries = std::numeric_limits<double>::quiet_NaN();
   double set_up_seconds = 0.0;        ///< part of `seconds`: the time to set up the guides
   std::uint64_t shortcut_checks = 0;  ///< validity checks of shortcutting; the sums above exclude them
   /// Whether `path` is certified: everywhere on it the robot is free of contact (PathCertificate). Every path that is

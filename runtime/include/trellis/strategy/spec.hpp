@@ -48,6 +48,9 @@ class PlannerSpec {
   /// For a split: the planner of an instance at the maximum depth, and the planner of a half.
   [[nodiscard]] const PlannerSpec& undivided() const;
   [[nodiscard]] PlannerSpec half() const;
+  /// The same planner with another value of an option; for a split, of both planners.
+  /// \throws Error for an unknown option or an invalid value
+  [[nodiscard]] PlannerSpec with(const std::string& option, const OptionValue& value) const;
   /// "rrt { step = 0.5 }": with the options that differ from their defaults.
   [[nodiscard]] std::string text() const;
 
@@ -165,6 +168,8 @@ class StrategySpec {
 
   [[nodiscard]] const PlannerSpec& planner() const { return planner_; }
   [[nodiscard]] const GuideSpec* guide() const { return guide_ ? &*guide_ : nullptr; }
+  /// The same strategy with another value of an option of its planner: PlannerSpec::with.
+  [[nodiscard]] StrategySpec with(const std::string& option, const OptionValue& value) const;
 
   /// One line in the language.
   [[nodiscard]] std::string text() const;

@@ -80,7 +80,8 @@ const std::vector<ReportTerm>& report_terms() {
       {"set-up",
        "work to set up the guides for one run alone, as the medial axis of the world, in checks: the median over the "
        "runs. The column is there where it is more than a tenth of a run's work. The runs of a process share what "
-       "depends on the world alone: the first one spends its time, and the median of the times does not show it"},
+       "depends on the world alone: the first one spends its time, and the median of the times does not show it. Work "
+       "counts one part in `queries` of it: so many runs share it, by assumption. `trellis run --once` shares nothing"},
       {"Lua %",
        "the part of the CPU time that functions in Lua take, with what they call and loading their script, in per "
        "cent. The column is there where a guide has such functions"},

@@ -487,6 +487,14 @@ std::string undrawn_text(const Section& section, std::size_t width) {
   return out;
 }
 
+/// Says what the set-up of guides costs, where that has a column, and which runs share it.
+std::string set_ups_text(const Section& section, std::size_t width) {
+  std::vector<const RunsSummary*> runs;
+  for (const Row& row : section.rows) runs.push_back(&row.runs());
+  const std::string text = set_up_text(runs);
+  return text.empty() ? "" : wrap(text, width, "", "  ");
+}
+
 /// Says that the paths are certified, and which one comes closest to contact.
 std::string certificates_text(const Section& section, std::size_t width) {
   const Row* closest = nullptr;
@@ -542,7 +550,7 @@ std::string overview_text(const ExperimentSummary& experiment, std::size_t width
   std::string out;
   for (const Section& section : sections) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
-    out += certificates_text(section, width) + undrawn_text(section, width);
+    out += certificates_text(section, width) + set_ups_text(section, width) + undrawn_text(section, width);
     out += warnings(section, width);
     for (const Row& row : section.rows) {
       constexpr std::size_t most_couplings = 16;

@@ -778,8 +778,12 @@ std::string legend(const ExperimentSummary& experiment, std::size_t width) {
 std::size_t columns_of(int width) { return static_cast<std::size_t>(std::max(width, 20)); }
 
 std::string summary_section(const ExperimentSummary& experiment, const ProblemSummary& problem, std::size_t columns) {
+  std::vector<const RunsSummary*> runs;
+  for (const StrategySummary& one : problem.strategies) runs.push_back(&one.runs);
+  const std::string set_up = set_up_text(runs);
   return "\nsummary of " + (problem.problem.empty() ? "all problems" : problem.problem) + '\n' +
          summary_table(problem.strategies, experiment.measured, columns) +
+         (set_up.empty() ? "" : wrap(set_up, columns, "", "  ")) +
          comparison_tables(problem, experiment.measured, columns) + warnings_text(problem, columns);
 }
 

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
 #include <trellis/scene/planar/erosion.hpp>
 #include <trellis/scene/planar/reduced_robot.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 
 namespace trellis {
 
@@ -83,14 +83,14 @@ std::shared_ptr<const Scene> PlanarScene::reduced(const std::vector<std::size_t>
 }
 
 std::shared_ptr<const Scene> PlanarScene::eroded(double distance) const {
-  static CacheByWorld<World, double> cache;
+  static SetUpCache<World, double> cache;
   return std::make_shared<PlanarScene>(
       *cache.get(world, distance, [&](const World& of) { return trellis::eroded(of, distance); }), robot);
 }
 
 std::shared_ptr<const Scene> PlanarScene::aggregated(double error) const {
   constexpr std::size_t most_errors = 20;  // each of a sequence of refinements
-  static CacheByWorld<World, double, most_errors> cache;
+  static SetUpCache<World, double, most_errors> cache;
   return std::make_shared<PlanarScene>(
       *cache.get(world, error, [&](const World& of) { return trellis::aggregated(of, error); }), robot);
 }

@@ -19,10 +19,10 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/planar_box_tree.hpp>
 #include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/planar/segment_voronoi.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 
 namespace trellis {
 
@@ -700,7 +700,7 @@ Skeleton medial_axis(const World& world, double spacing, int disc_vertices) {
 }
 
 std::shared_ptr<const Skeleton> cached_medial_axis(const World& world) {
-  static CacheByWorld<Skeleton> cache;
+  static SetUpCache<Skeleton> cache;
   return cache.get(world, [](const World& of) { return medial_axis(of); });
 }
 

@@ -9,7 +9,7 @@
 #include <queue>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/cache_by_world.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 #include <trellis/scene/spatial/free_distance.hpp>
 
 namespace trellis {
@@ -400,7 +400,7 @@ BallGraph ball_graph(const World3& world, double resolution, double spacing) {
 }
 
 std::shared_ptr<const BallGraph> cached_ball_graph(const World3& world) {
-  static CacheByWorld<BallGraph> cache;
+  static SetUpCache<BallGraph> cache;
   return cache.get(world, [](const World3& of) { return ball_graph(of); });
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/cache_by_world.hpp>
+#include <trellis/scene/set_up_cache.hpp>
 #include <trellis/scene/spatial/aggregate.hpp>
 #include <trellis/scene/spatial/erosion.hpp>
 
@@ -146,14 +146,14 @@ std::shared_ptr<const Scene> SpatialScene::reduced(const std::vector<std::size_t
 }
 
 std::shared_ptr<const Scene> SpatialScene::eroded(double distance) const {
-  static CacheByWorld<World3, double> cache;
+  static SetUpCache<World3, double> cache;
   return std::make_shared<SpatialScene>(
       *cache.get(world, distance, [&](const World3& of) { return trellis::eroded(of, distance); }), robot);
 }
 
 std::shared_ptr<const Scene> SpatialScene::aggregated(double error) const {
   constexpr std::size_t most_errors = 20;  // each of a sequence of refinements
-  static CacheByWorld<World3, double, most_errors> cache;
+  static SetUpCache<World3, double, most_errors> cache;
   return std::make_shared<SpatialScene>(
       *cache.get(world, error, [&](const World3& of) { return trellis::aggregated(of, error); }), robot);
 }
