@@ -63,6 +63,24 @@ TEST_CASE("scripts/pays writes tables and figures of the worlds and strategies t
         std::string::npos);
 }
 
+TEST_CASE("scripts/pays --once has costs with shared set-ups beside those with all set-up in each run",
+          "[pays][slow]") {
+  const Place place;
+  const std::string out = place / "pays";
+  const int status = pays(place, "--once --seeds 1 --only cup --strategies 'skeleton >> rrt' --out '" + out + "'");
+  INFO(content(place / "pays.err"));
+  REQUIRE(status == 0);
+  const std::vector<std::string> lines = lines_of(content(out + "/both.md"));
+  // A header, a rule, and three strategies beside the baseline.
+  REQUIRE(lines.size() == 2 + 3);
+  CHECK(lines[0].starts_with(
+      "| strategy | solved, tuned on | checks: shared | in each run | CPU time: shared | worst |"));
+  for (const std::string& line : lines) CHECK(std::ranges::count(line, '|') == std::ranges::count(lines[0], '|'));
+  CHECK(lines.back().starts_with("| `skeleton >> rrt` | 1/1 | "));
+  CHECK(content(out + "/results/cup.json").find("\"queries\":1.0") == std::string::npos);
+  CHECK(content(out + "/once/cup.json").find("\"queries\":1.0") != std::string::npos);
+}
+
 TEST_CASE("scripts/pays says what it does not know", "[pays]") {
   const Place place;
   const std::string out = " --out '" + (place / "pays") + "'";
