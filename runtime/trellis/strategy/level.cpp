@@ -145,10 +145,13 @@ RunCost Level::cost() const {
 
 double Level::work() const {
   const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
-  return own_work() + below + parts_work_ - guidance_.deducted();
+  return own_work() + below + parts_work_ - guidance_.deducted() - first_searches();
 }
 
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
+  first_searches_ = first_searches();
+  searched_ = false;
+  first_search_begun_ = own_work();
   instance->checks.validity += instance_->checks.validity;
   instance->checks.motion += instance_->checks.motion;
   instance->checks.alone += instance_->checks.alone;
@@ -287,6 +290,8 @@ Advance Level::end_solve(Solution found) {
     pause();
   } else {
     solve_begun_.reset();
+    if (!searched_) first_searches_ += own_work() - first_search_begun_;
+    searched_ = true;
     ++record_.solves;
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);

@@ -105,8 +105,9 @@ struct Run {
 /// It divides the work between guided and unguided proposals. Work is the number of validity checks and proposals, and
 /// what searches of graphs do besides. The work of guided proposals and of all levels below is at most `guided_share`
 /// times the work of unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of
-/// the work below, a part of the checks that progress there required is deducted. If this limit is reached, or if the
-/// guide's space is still being searched, the planner draws unguided proposals.
+/// the work below, what progress there has earned is deducted as far as guides have spent it, and the first search of a
+/// graph does not count. If this limit is reached, or if the guide's space is still being searched, the planner draws
+/// unguided proposals.
 ///
 /// Beside a companion (at the root, with a bound of more than 1) the planner waits for the levels below. Their work
 /// does not count, nor does the validation of their paths: the companion bounds it. The planner of a tree without a
@@ -271,9 +272,17 @@ class LevelGuidance final : public Guidance {
   /// Work that the guide may spend initially.
   [[nodiscard]] double grant() const { return grant_rate * direct_ * instance_.checks_per_metre(); }
   /// Work that progress along guiding paths has earned.
-  [[nodiscard]] double earned() const { return progress_rate * progress_checks(); }
-  /// Work of this level that the level above does not count, because its search made progress.
-  [[nodiscard]] double deducted() const { return deduction_rate * progress_checks(); }
+  [[nodiscard]] double earned() const {
+    return (has_companion_ ? companion_progress_rate : progress_rate) * progress_checks();
+  }
+  /// Work of this level that the level above does not count, because its search made progress: half of the checks of
+  /// this progress; or what the guide has spent of its earnings, if that is more. The level above would end its guide's
+  /// search in favour of unguided proposals though that search advances.
+  [[nodiscard]] double deducted() const {
+    const double half = deduction_rate * progress_checks();
+    if (guide_ == nullptr || common_.bound == 0.0) return half;
+    return std::max(half, std::min(earned(), spent().guided.work() + guide_->work()));
+  }
   /// Work of one kind of proposals.
   struct Spent {
     double checks = 0.0;
@@ -299,8 +308,10 @@ class LevelGuidance final : public Guidance {
   /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
   /// the minimum of any planner.
   static constexpr double grant_rate = 1.5;
-  /// Earned by a metre of progress, as a multiple of the checks per metre.
-  static constexpr double progress_rate = 3.0;
+  /// Earned by a metre of progress, as a multiple of the checks per metre. Leads of a decomposition need most: 4 to 6.
+  static constexpr double progress_rate = 6.0;
+  /// The same beside a companion, where it limits how long a tree stays at a place where its guide is stuck.
+  static constexpr double companion_progress_rate = 3.0;
   /// Deducted for a metre of progress from the work that the level above counts, as a multiple of the checks per metre.
   /// Measured: above 0.5, nested searches cost more where the planner alone needs few checks; below, they cost more at
   /// narrow passages, where they save most.
@@ -479,8 +490,16 @@ class Level {
   [[nodiscard]] RunCost cost() const;
   /// Called when its search has received the proposals of a half.
   void note_absorbed(std::size_t proposals) { absorbed_ += static_cast<double>(proposals); }
-  /// Work of this level and all below it, less what is deducted for progress.
+  /// Work of this level and all below it, as the level above counts it: less what is deducted for progress, and without
+  /// `first_searches`.
   [[nodiscard]] double work() const;
+  /// Own work of the first search of each graph that f made below the root, also in a changed world. The level above
+  /// waits for these as for the set-up of a guide: without the path it would draw unguided proposals meanwhile. They
+  /// end: each considers an edge at most once, and draws few proposals.
+  [[nodiscard]] double first_searches() const {
+    if (!kind_.graph || record_.depth <= 1) return 0.0;
+    return first_searches_ + (searched_ ? 0.0 : own_work() - first_search_begun_);
+  }
   /// Replaces the instance by a new projection of the parent's. The search keeps its valid part.
   void replace_instance(std::unique_ptr<Instance> instance);
 
@@ -562,6 +581,9 @@ class Level {
   LevelRecord record_;
   double work_limit_ = Budget::unlimited;  ///< value of `work()` at which the search pauses
   std::optional<double> solve_begun_;      ///< number of proposals when the unfinished solve began
+  bool searched_ = false;                  ///< a solve of the instance of the present world has ended
+  double first_search_begun_ = 0.0;        ///< value of `own_work()` before that instance
+  double first_searches_ = 0.0;            ///< of those that have ended
   std::size_t noted_ = 0;                  ///< number of proposals and nodes when its last turn ended
   bool found_ = false;
   double absorbed_ = 0.0;             ///< proposals that its search has from other levels

@@ -52,7 +52,7 @@ class SearchedGuidance : public Guidance {
   }
   /// Whether parts of it draw while the space of another part is searched.
   [[nodiscard]] virtual bool draws_while_searching() const { return false; }
-  /// Work of all levels below, less what is deducted for their progress.
+  /// Work of all levels below, as this level counts it (Level::work).
   [[nodiscard]] virtual double work() const { return 0.0; }
   /// How often h was refuted; with several searching parts, the minimum over them.
   [[nodiscard]] virtual std::uint64_t refuted() const { return 0; }
