@@ -289,9 +289,10 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     if (level_) guide_->repairs().searched(level_->record().search);
     along_.reset();
     replace(located([&] { return guide_->heuristic(parent_.instance(), sub, found); }));
-    // The remaining nodes keep their progress; the rest has to be earned again.
-    const double lost = std::exchange(lost_, 0.0);
-    if (lost > 0.0) progress_ -= std::max(0.0, lost - part()->connected());
+    // The remaining nodes keep their progress; the rest has to be earned again. Of what was lost, a part may be the
+    // progress of nodes that were there before h, which earned nothing.
+    const double lost = std::max(0.0, std::exchange(lost_, 0.0) - part()->connected());
+    progress_ -= std::clamp(lost, 0.0, std::max(0.0, progress_));
     stale_ = part()->stale();
     if (stale_) refuted_by_ = &Resolves::invalid_path;
   }
