@@ -322,6 +322,32 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
   CHECK(travelled(1.0) < travelled(0.5));
 }
 
+TEST_CASE("regions keep to the path of a search that a guide guides", "[guide][skeleton]") {
+  const auto problem = test::make_problem("block", test::rectangle_world({{3.5, 3, 6.5, 7}}), test::rectangle_robot(),
+                                          {1, 5, 0}, {9, 5, 0});
+  for (const bool guided : {false, true}) {
+    CAPTURE(guided);
+    auto w = solve_guide("skeleton", {{"follow", std::string("regions")}, {"explore", 0.0}}, problem);
+    w.sub->guided = guided;
+    w.h = w.guide->heuristic(*w.parent, w.sub.get(), &w.found);
+    // The tree has reached every vertex, so that regions start from all of them.
+    const auto& vertices = std::as_const(w.sub->graph->vertices);
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      const Configuration q = {vertices[v][0], vertices[v][1], 0.0};
+      tell(w, q, false);
+    }
+    Stream stream(3, "0", "regions");
+    Configuration q(3);
+    double farthest = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      w.h->sample(stream, q);
+      farthest = std::max(farthest, least_distance(w.sub->space, View(q.data(), 2), w.found.path));
+    }
+    const double radius = 2.0 * problem.scene->bounding_radius();
+    CHECK((farthest <= radius + 1e-9) == guided);
+  }
+}
+
 TEST_CASE("regions begin at every vertex that a node comes near", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
   const double robot = problem.scene->bounding_radius();

@@ -61,8 +61,8 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           .choice("follow", &SkeletonSettings::follow_regions, {{"path", false}, {"regions", true}},
                   "\"path\": the path found on the axis is validated in C at points `spacing` apart, with the angles "
                   "that are nearest to those before, and proposals are a step of the planner ahead of the node that "
-                  "came farthest along it; \"regions\": dynamic regions along the whole axis. Where there is a "
-                  "motion model, always regions")
+                  "came farthest along it; \"regions\": dynamic regions along the whole axis, or along the path found "
+                  "where a guide guides the search. Where there is a motion model, always regions")
           .boolean(
               "prune", &SkeletonSettings::prune,
               "leave out edges that are narrower than the largest disc or ball about the reference point inside the "
@@ -565,10 +565,12 @@ struct DirectedGraph {
   std::vector<std::vector<Edge>> out;  ///< per vertex
 };
 
-DirectedGraph directed(const Graph& graph) {
+/// \param only  for each edge, whether the directed graph may contain it; nullptr: it may contain all
+DirectedGraph directed(const Graph& graph, const std::vector<char>* only) {
   const std::size_t n = graph.vertices.size();
   std::vector<std::vector<std::uint32_t>> adjacency(n);
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
+    if (only != nullptr && (*only)[e] == 0) continue;
     adjacency[graph.edges[e].from].push_back(e);
     if (graph.edges[e].to != graph.edges[e].from) adjacency[graph.edges[e].to].push_back(e);
   }
@@ -629,16 +631,17 @@ DirectedGraph directed(const Graph& graph) {
 /// h: balls that move along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
+  /// \param only_path  regions travel along the path found alone, which a guide of S has chosen
   DynamicRegions(std::shared_ptr<const PositionProjection> projection, const Instance& parent,
                  std::shared_ptr<const Graph> graph, const EdgeTable& table, const Configurations& path,
                  Configurations lifted, const SkeletonSettings& settings, double radius, double robot,
-                 const ReachedIndex& reached)
+                 const ReachedIndex& reached, bool only_path)
       : projection_(std::move(projection)),
         parent_(parent.space),
         model_(settings.alignment > -1.0 && AlignedLift::applies(parent) ? parent.motion_model : nullptr),
         graph_(std::move(graph)),
         on_path_(PathOnGraph(*graph_, table, path).along()),
-        directed_(directed(*graph_)),
+        directed_(directed(*graph_, only_path ? &on_path_ : nullptr)),
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
         ball_(projection_->space(), radius),
@@ -903,7 +906,7 @@ class SkeletonGuide final : public PositionGuide {
     return instance;
   }
 
-  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     regions_ = nullptr;
     const Configuration& goal = begin_heuristic(parent, found->path);
     if (lifts() && found->solved()) return along_axis(parent, goal);
@@ -911,9 +914,9 @@ class SkeletonGuide final : public PositionGuide {
     // it.
     const double robot = projection()->arm() ? 0.0 : parent.scene->bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection()->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(projection(), parent, graph(), *table_, path(),
-                                              projection()->lifted(path(), parent.start, goal), settings_,
-                                              settings_.region * unit, robot, reached());
+    auto h = std::make_unique<DynamicRegions>(
+        projection(), parent, graph(), *table_, path(), projection()->lifted(path(), parent.start, goal), settings_,
+        settings_.region * unit, robot, reached(), sub->guided && found->solved());
     regions_ = h.get();
     return h;
   }

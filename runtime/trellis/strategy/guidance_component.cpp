@@ -316,7 +316,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     projected_ = parent_.instance().scene;
     if (!level_) run_.count_set_up(spec_, *projected_);
     again_ = false;
-    if (!known_) return located([&] { return guide_->project(parent_.instance()); });
+    if (!known_) return marked(located([&] { return guide_->project(parent_.instance()); }));
     known_->paths.clear();
     known_->refuted = Configurations(parent_.instance().space.dimension());
     // The guidance of C is not complete before all its parts are made.
@@ -326,6 +326,11 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     }
     auto sub = located([&] { return guide_->project_from(parent_.instance(), *known_); });
     known_->new_from = known_->samples.size();
+    return marked(std::move(sub));
+  }
+  /// Sets whether a guide guides the search of an instance; f may have copied the value of C.
+  std::unique_ptr<Instance> marked(std::unique_ptr<Instance> sub) const {
+    if (sub != nullptr) sub->guided = guided_below_;
     return sub;
   }
   /// Returns false, without applying f, where the run ends before.

@@ -231,7 +231,8 @@ class Instance {
   /// the paths of this space.
   double needed_reach = 0.0;
   std::string collision = "planar";  ///< name of the collision backend: collision_backends()
-  double step = 0.0;  ///< longest extension of the planner of this space, metres in the metric; 0: it has none
+  double step = 0.0;    ///< longest extension of the planner of this space, metres in the metric; 0: it has none
+  bool guided = false;  ///< a guide guides the search of this space
   std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else `space` is its state space
   std::vector<std::size_t> position_axes;           ///< the axes of the reference point's position; empty: none
   /// Creates validity for a scene where the axes are not the robot's; empty where they are.
