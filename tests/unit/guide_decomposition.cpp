@@ -2,6 +2,7 @@
 // Leads through a triangulation: the expanded nodes, and the end of a lead.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
@@ -222,4 +223,53 @@ TEST_CASE("configurations that a level above found invalid make leads through th
   lead.guide->repairs().before_resolve();
   lead.solve();
   CHECK((highest(lead.found.path) > 8.5) != above);
+}
+
+TEST_CASE("a decomposition whose search is guided keeps to the lead of its guide", "[guide][decomposition]") {
+  const auto problem = test::cup_problem();
+  Lead lead(problem, {{"abandon", 1.0}, {"random_leads", 1.0}, {"explore", 0.5}, {"expansions", std::int64_t{30}}});
+  lead.sub->guided = true;
+  lead.guide->attach(*lead.sub);
+  // Costs are lengths, so that the guide's factors decide, not the sizes of cells.
+  for (const Graph::Edge& edge : lead.sub->graph->edges) {
+    CHECK(edge.cost == Approx(path_length(lead.sub->space, edge.points)));
+  }
+  lead.solve();
+  const Configurations path = lead.h->lifted_path();
+  Stream stream(4, "", "guided lead");
+  Configuration q(3);
+  const auto fail = [&] {
+    lead.h->sample(stream, q);
+    // A triangle's side is about twice the bounding radius, 0.63 m: proposals lie in the cells of the lead.
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < path.size(); ++i)
+      least = std::min(least, std::hypot(path[i][0] - q[0], path[i][1] - q[1]));
+    CHECK(least < 1.3);
+    lead.h->observe(failed(q, problem.start), true);
+  };
+  for (int i = 0; i < 29; ++i) fail();
+  CHECK_FALSE(lead.h->stale());
+  // A node farther along the lead is progress, which the level above counts; then as many proposals may fail again.
+  const double before = lead.h->progress();
+  Outcome outcome;
+  outcome.fate = Fate::reached;
+  outcome.proposal = outcome.added = path[path.size() / 2];
+  outcome.near = problem.start;
+  outcome.connected = true;
+  outcome.added_row = 1;
+  lead.h->observe(outcome, false);
+  CHECK(lead.h->progress() > before);
+  CHECK(lead.h->connected() == Approx(lead.h->progress() - before));
+  for (int i = 0; i < 29; ++i) fail();
+  CHECK_FALSE(lead.h->stale());
+  fail();
+  CHECK(lead.h->stale());
+  // Another solve gives the same lead: none is random.
+  lead.guide->repairs().before_resolve();
+  CHECK(same(lead.guide->heuristic(*lead.parent, lead.sub.get(), &lead.found)->lifted_path(), path));
+  // A refuted place costs more than its length.
+  lead.guide->repairs().avoid(path[path.size() / 2]);
+  lead.guide->repairs().before_resolve();
+  lead.solve();
+  CHECK_FALSE(same(lead.h->lifted_path(), path));
 }

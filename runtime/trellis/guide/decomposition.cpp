@@ -53,17 +53,21 @@ const Settings<DecompositionSettings>& decomposition_settings() {
                   "space the longest side of a box, which is halved up to four times near obstacles; 0: twice the "
                   "robot's bounding radius, but at least 0.5 % of the world's diagonal, or 2 % of it for a point and "
                   "5 % for an arm's tip")
-          .number("explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
-                  "share that is spread evenly over all cells; the rest keeps to the lead")
+          .number(
+              "explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
+              "share that is spread evenly over all cells, none where a guide guides the search for leads; the rest "
+              "keeps to the lead")
           .integer("ahead", &DecompositionSettings::ahead, "cells", Range::at_least(1),
                    "how many cells of the lead, beyond the one whose node is expanded, proposals are drawn from")
           .number("random_leads", &DecompositionSettings::random_leads, "share of leads", Range::share(),
-                  "share of leads that are found by a random depth-first search; the rest are shortest paths")
+                  "share of leads that are found by a random depth-first search, none where a guide guides the search; "
+                  "the rest are shortest paths")
           .integer("expansions", &DecompositionSettings::expansions, "proposals", Range::at_least(1),
-                   "proposals on one lead before another one is searched")
+                   "proposals on one lead before another one is searched; where a guide guides that search, so many "
+                   "without progress along the lead")
           .number("abandon", &DecompositionSettings::abandon, "probability", Range::share(),
                   "with which a lead is abandoned after a proposal on it that improved neither the coverage of a "
-                  "cell nor that of a connection between two")
+                  "cell nor that of a connection between two; never where a guide guides the search")
           .integer("resolves", &DecompositionSettings::resolves, "re-solves", Range::non_negative(),
                    "how often another lead may be searched"));
   return settings;
@@ -257,9 +261,10 @@ class Exploration {
     std::uint32_t a = 0;
     std::uint32_t b = 0;
     const void* connection = nullptr;  ///< of this object
+    double length = 0.0;               ///< of the edge, metres in the metric
   };
   [[nodiscard]] Crossing crossing(std::uint32_t a, std::uint32_t b) const {
-    return {a, b, &connections_.at(key(a, b))};
+    return {.a = a, .b = b, .connection = &connections_.at(key(a, b))};
   }
   /// Calls `set` with the index and the cost of every crossing between two cells. A lead contains the edges of start
   /// and goal, so their costs do not matter: they have one cell.
@@ -274,6 +279,17 @@ class Exploration {
       const auto& c = *static_cast<const Connection*>(crossing.connection);
       const double selections = c.crossed > 0.0 ? c.crossed : c.leads;
       set(i, (1.0 + selections * selections) / (1.0 + c.covered * c.covered) * alpha[crossing.a] * alpha[crossing.b]);
+    }
+  }
+
+  /// The same where a guide chooses among leads: lengths, as the sizes of cells and the coverage would outweigh its
+  /// choice, increased where the tree found configurations invalid.
+  template <class Set>
+  void guided_costs(const std::vector<Crossing>& crossings, const Set& set) const {
+    for (std::size_t i = 0; i < crossings.size(); ++i) {
+      const Crossing& crossing = crossings[i];
+      if (crossing.connection == nullptr) continue;
+      set(i, crossing.length / (valid_share(regions_[crossing.a]) * valid_share(regions_[crossing.b])));
     }
   }
 
@@ -326,9 +342,8 @@ class Exploration {
     return (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
   }
   static double fourth(double x) { return x * x * x * x; }
-  [[nodiscard]] static double free_volume(const Region& r) {
-    return (1.0 + r.valid) / (1.0 + r.valid + r.invalid) * r.volume;
-  }
+  [[nodiscard]] static double free_volume(const Region& r) { return valid_share(r) * r.volume; }
+  [[nodiscard]] static double valid_share(const Region& r) { return (1.0 + r.valid) / (1.0 + r.valid + r.invalid); }
 
   /// Counts the grid's cell of q for `owner`. Returns whether that is new to it.
   bool cover(std::uint32_t owner, double& covered, View q) {
@@ -351,6 +366,7 @@ class Exploration {
 /// The cells that a lead goes through, and whether another guide refuted a place in one of them.
 struct Lead {
   std::vector<std::uint32_t> cells;
+  std::vector<double> at;  ///< for each cell, the arc length at which the lead's path enters it, metres in S's metric
   bool refuted = false;
 };
 
@@ -359,9 +375,11 @@ struct Lead {
 class LeadHeuristic final : public Heuristic {
  public:
   /// \param stream  random stream that selects the available cells
+  /// \param guided  a guide has chosen the lead: h keeps to it, until `expansions` proposals made no progress along it
   LeadHeuristic(std::shared_ptr<const Decomposition> decomposition, const DecompositionSettings& settings,
                 std::shared_ptr<Exploration> exploration, Instance& parent, std::shared_ptr<CellDensities> densities,
-                std::shared_ptr<const Lead> lead, Configurations lifted, Stream stream, std::uint64_t& luck)
+                std::shared_ptr<const Lead> lead, Configurations lifted, Stream stream, std::uint64_t& luck,
+                bool guided)
       : decomposition_(std::move(decomposition)),
         settings_(settings),
         exploration_(std::move(exploration)),
@@ -372,7 +390,9 @@ class LeadHeuristic final : public Heuristic {
         lifted_(std::move(lifted)),
         next_luck_(luck),
         parent_epoch_(parent.epoch()),
+        guided_(guided),
         position_(decomposition_->dimension()) {
+    if (guided_) settings_.explore = settings_.abandon = 0.0;
     // From the end of the lead: the last cell that the tree has reached, then each further one with this
     // probability.
     constexpr double keep_adding = 0.5;
@@ -383,6 +403,9 @@ class LeadHeuristic final : public Heuristic {
       if (stream.uniform() >= keep_adding) break;
     }
     if (std::count(available_.begin(), available_.end(), 1) == 0) available_[0] = 1;
+    for (std::size_t i = 0; i < lead_.size(); ++i) {
+      if (available_[i] != 0) connected_ = of_guide_->at[i];
+    }
     weigh();
   }
 
@@ -436,7 +459,7 @@ class LeadHeuristic final : public Heuristic {
     if (!outcome.added.empty() && outcome.connected) {
       if (const auto cell = decomposition_->find(outcome.added)) {
         const auto place = std::find(lead_.begin(), lead_.end(), *cell);
-        if (place != lead_.end()) available_[static_cast<std::size_t>(place - lead_.begin())] = 1;
+        if (place != lead_.end()) reach(static_cast<std::size_t>(place - lead_.begin()));
       }
     }
     if (expanded) {
@@ -449,8 +472,19 @@ class LeadHeuristic final : public Heuristic {
   [[nodiscard]] bool stale() const override { return stale_ || of_guide_->refuted; }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"decomposition"}; }
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
+  /// 0 if f does not contract: lengths in S then do not bound those in C.
+  [[nodiscard]] double progress() const override { return decomposition_->projection.contracts() ? progress_ : 0.0; }
+  [[nodiscard]] double connected() const override { return decomposition_->projection.contracts() ? connected_ : 0.0; }
 
  private:
+  /// Notes that a connected node lies in the i-th cell of the lead.
+  void reach(std::size_t i) {
+    available_[i] = 1;
+    const double advance = std::max(0.0, of_guide_->at[i] - connected_);
+    progress_ += advance;
+    if (advance > 0.0 && guided_) expansions_ = 0;
+    connected_ += advance;
+  }
   /// Computes for each cell of the lead the weight of its selection and the mass of proposals in it.
   void weigh() {
     weights_.assign(lead_.size(), 0.0);
@@ -496,9 +530,12 @@ class LeadHeuristic final : public Heuristic {
   Configurations lifted_;
   std::uint64_t& next_luck_;  ///< seed of the next lead's random stream
   std::uint64_t parent_epoch_;
+  bool guided_;
   std::vector<char> available_;  ///< for each cell of the lead: the planner may expand its nodes
   std::vector<double> weights_;
   std::vector<double> masses_;
+  double progress_ = 0.0;   ///< along the lead, metres in S's metric
+  double connected_ = 0.0;  ///< arc length of the farthest cell of the lead with a connected node
   std::int64_t expansions_ = 0;
   std::uint64_t epoch_ = 0;
   TreeSide side_ = TreeSide::start;
@@ -537,6 +574,9 @@ class DecompositionGuide final : public Guide, public Repairs {
     return instance;
   }
 
+  void attach(Instance& sub) override {
+    if (std::exchange(guided_, sub.guided) != sub.guided) before_resolve();
+  }
   Repairs& repairs() override { return *this; }
   void project(View q, MutableView s) const override { decomposition_->projection.project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { decomposition_->projection.lift(s, stream, q); }
@@ -549,19 +589,25 @@ class DecompositionGuide final : public Guide, public Repairs {
     lead_.reset();
     Stream stream(luck_, "decomposition", "lead");
     std::vector<std::uint32_t> lead;
+    std::vector<double> at;
     // The first lead, before any proposal, is a shortest path.
-    if (luck_ != 0 && stream.uniform() < settings_.random_leads) lead = random_lead(stream);
+    if (luck_ != 0 && !guided_ && stream.uniform() < settings_.random_leads) lead = random_lead(stream);
     Configurations path(decomposition_->dimension());
     if (!lead.empty()) {
       path.push(graph_->vertices[graph_->start]);
       for (const std::uint32_t t : lead) path.push(graph_->vertices[t]);
       path.push(graph_->vertices[goal_in(lead.back())]);
+      lead.clear();
     } else {
       path = found->path;
-      for (std::size_t i = 0; i < path.size(); ++i) {
-        const auto cell = decomposition_->cells->find(path[i]);
-        if (cell && std::find(lead.begin(), lead.end(), *cell) == lead.end()) lead.push_back(*cell);
-      }
+    }
+    double length = 0.0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      if (i > 0) length += decomposition_->projection.space().distance(path[i - 1], path[i]);
+      const auto cell = decomposition_->cells->find(path[i]);
+      if (!cell || std::find(lead.begin(), lead.end(), *cell) != lead.end()) continue;
+      lead.push_back(*cell);
+      at.push_back(length);
     }
     if (lead.empty()) return std::make_unique<UniformHeuristic>("decomposition (found nothing)", parent.space);
     exploration_->include(lead);
@@ -569,9 +615,9 @@ class DecompositionGuide final : public Guide, public Repairs {
     const Configuration& goal = goal_choice_.choose(
         parent, [&](View q, MutableView s) { projection.project(q, s); }, projection.space(), path);
     Configurations lifted = projection.lifted(path, parent.start, goal);
-    lead_ = std::make_shared<Lead>(Lead{std::move(lead)});
+    lead_ = std::make_shared<Lead>(Lead{std::move(lead), std::move(at)});
     return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, lead_,
-                                           std::move(lifted), stream, luck_);
+                                           std::move(lifted), stream, luck_, guided_);
   }
 
   void avoid(View place) override {
@@ -585,7 +631,12 @@ class DecompositionGuide final : public Guide, public Repairs {
   void found_invalid(View q) override { exploration_->note_invalid(q, 1.0); }
 
   void before_resolve() override {
-    exploration_->costs(crossings_, [&](std::size_t e, double cost) { graph_->set_cost(e, cost); });
+    const auto set = [&](std::size_t e, double cost) { graph_->set_cost(e, cost); };
+    if (guided_) {
+      exploration_->guided_costs(crossings_, set);
+    } else {
+      exploration_->costs(crossings_, set);
+    }
   }
 
  private:
@@ -671,7 +722,7 @@ class DecompositionGuide final : public Guide, public Repairs {
       Configurations points(position.size());
       points.push(position);
       points.push(std::as_const(graph_->vertices)[*cell]);
-      add_edge(vertex, *cell, std::move(points), {*cell, *cell}, space);
+      add_edge(vertex, *cell, std::move(points), {.a = *cell, .b = *cell}, space);
     }
     return vertex;
   }
@@ -681,6 +732,7 @@ class DecompositionGuide final : public Guide, public Repairs {
     const double length = path_length(space, points);
     graph_->edges.push_back({from, to, length, std::move(points)});
     crossings_.push_back(crossing);
+    crossings_.back().length = length;
   }
 
   DecompositionSettings settings_;
@@ -691,6 +743,7 @@ class DecompositionGuide final : public Guide, public Repairs {
   std::shared_ptr<Exploration> exploration_;
   std::shared_ptr<Lead> lead_;  ///< of the last h; none before, and where that is uniform
   GoalChoice goal_choice_;      ///< where leads end in C
+  bool guided_ = false;         ///< a guide guides the search for leads
   std::uint64_t luck_ = 0;      ///< last number drawn by h; seeds the random stream of the next lead
 };
 
@@ -715,7 +768,8 @@ GuideKind decomposition_kind() {
        .feedback = "nodes, invalid configurations and crossings are counted by cell; a place that another guide "
                    "refuted counts as 100 invalid ones, and ends a lead through its cell; a lead is abandoned after "
                    "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
-                   "another one searched, its costs by what was counted",
+                   "another one searched, its costs by what was counted. A lead that a guide chose is kept as long as "
+                   "the tree advances along it, and costs are lengths, more where configurations were invalid",
        .relaxes = true,
        .invalid_ends = "an end whose position is in no cell is joined to none, so S has no path",
        .fallback = GuideClaims::Fallback::own,
