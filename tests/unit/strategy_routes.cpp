@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The law of a hierarchy: what a level found reaches the level above. For every pair a >> b of the catalogue, another
-// route of a gives another route of b, and where b's space has positions, on the same side of an obstacle.
+// route of a gives another route of b, and where b's space has positions, on the same side of an obstacle. A route
+// above hierarchies of two and three guides, as scripts write them, reaches the path of the root.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +13,8 @@
 
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/guide.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/reached_nodes.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/strategy/executor.hpp>
 
@@ -178,6 +181,38 @@ class ForcedKind final : public CustomGuide {
   Configurations& followed_;
 };
 
+/// A guide with S = {0} that follows the path past one side of the block.
+class Route final : public SamplingGuide {
+ public:
+  explicit Route(Side side) : side_(side) {}
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    if (!reached_.begun()) reached_.begin(parent.space, parent.start, parent.goals);
+    return follow_path("route", {}, parent, path_past(parent, side_), reached_.both());
+  }
+  void learn(const Outcome& outcome) override {
+    if (!outcome.added.empty() && outcome.connected) reached_.add(outcome.added, outcome.from_goal);
+  }
+  void restart() override { reached_.clear(); }
+
+ private:
+  Side side_;
+  ReachedNodes reached_;
+};
+
+class RouteKind final : public CustomGuide {
+ public:
+  explicit RouteKind(Side side)
+      : CustomGuide({.name = "route",
+                     .identity = side == Side::above ? "route above" : "route below",
+                     .default_planner = "",
+                     .resolves = 0}),
+        side_(side) {}
+  [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite&) const override { return std::make_unique<Route>(side_); }
+
+ private:
+  Side side_;
+};
+
 /// b with the planner that searches its space where it is guided, without a bound.
 GuideSpec unbounded(const GuideKind& kind) {
   std::vector<Options::Entry> options = kind.guided_planner.options;
@@ -263,4 +298,117 @@ TEST_CASE("another route of a gives another route of b, for every pair a >> b", 
   }
   CHECK(pairs >= 110);
   CHECK(followed >= runs * 95 / 100);
+}
+
+namespace {
+
+/// How many runs there were, and in how many the path of the root passes the block on the side of the route.
+struct Followed {
+  int runs = 0;
+  int followed = 0;
+};
+
+/// The height over the middle line at which a path of the root crosses the middle of the block.
+double height_at_middle(const Configurations& path) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const View a = path[i - 1];
+    const View b = path[i];
+    if (a[0] > middle_x || b[0] < middle_x) continue;
+    return a[1] + (b[1] - a[1]) * (middle_x - a[0]) / std::max(b[0] - a[0], 1e-9) - middle_y;
+  }
+  return 0.0;
+}
+
+/// Runs `route >> guides` on both sides of the block, with the planners and bounds that guides have by default.
+/// \param guides  from the farthest below the root to the nearest
+/// \return no runs where a space has no positions, in which a route has no side
+Followed run_routes(const std::vector<const GuideKind*>& guides, std::uint64_t seeds) {
+  static const Problem problem = block_problem();
+  const PlannerSpec root = PlannerSpec::make(
+      "rrt", {{"step", 0.5}, {"bound", 0.0}, {"uniform", 0.0}, {"goal_bias", 0.02}, {"proposals", std::int64_t{1500}}});
+  Followed result;
+  for (const Side side : {Side::below, Side::above}) {
+    GuideSpec guide = GuideSpec::make(std::make_shared<RouteKind>(side));
+    for (const GuideKind* kind : guides) guide = guide >> test::guide_of(*kind);
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      const RunRecord run = execute(guide >> root, problem, seed);
+      const bool positions = std::all_of(run.levels.begin(), run.levels.end(),
+                                         [](const LevelRecord& level) { return level.position_axes.size() == 2; });
+      if (!positions) return {};
+      ++result.runs;
+      if (run.solved && height_at_middle(run.path) * static_cast<double>(side) > 0.0) ++result.followed;
+    }
+  }
+  return result;
+}
+
+/// The guides of the catalogue whose space is searched, for one robot. A library without paths has no route.
+std::vector<const GuideKind*> searching_guides() {
+  std::vector<const GuideKind*> some;
+  for (const GuideKind& kind : test::guides_of_one_robot()) {
+    if (searches(kind) && kind.component->name != "experience") some.push_back(&kind);
+  }
+  return some;
+}
+
+}  // namespace
+
+TEST_CASE("a route reaches the root through any two guides, at their default bounds", "[strategy][routes]") {
+  const auto guides = searching_guides();
+  int pairs = 0;
+  Followed all;
+  for (const GuideKind* a : guides) {
+    for (const GuideKind* b : guides) {
+      if (test::refuses(*a, *b, block_problem())) continue;
+      CAPTURE(a->component->name, b->component->name);
+      const Followed of = run_routes({a, b}, 3);
+      if (of.runs == 0) continue;
+      ++pairs;
+      all.runs += of.runs;
+      all.followed += of.followed;
+      CHECK(of.followed >= of.runs / 2);
+    }
+  }
+  CHECK(pairs >= 110);
+  CAPTURE(pairs, all.runs, all.followed);
+  CHECK(all.followed >= all.runs * 95 / 100);
+}
+
+TEST_CASE("a route reaches the root through three guides, at their default bounds", "[strategy][routes]") {
+  const auto guides = searching_guides();
+  Stream stream(1, "", "triples");
+  const auto any = [&] { return guides[stream.below(guides.size())]; };
+  int triples = 0;
+  Followed all;
+  for (int i = 0; i < 60; ++i) {
+    const GuideKind* a = any();
+    const GuideKind* b = any();
+    const GuideKind* c = any();
+    if (test::refuses(*a, *b, block_problem()) || test::refuses(*b, *c, block_problem())) continue;
+    CAPTURE(a->component->name, b->component->name, c->component->name);
+    const Followed of = run_routes({a, b, c}, 3);
+    triples += of.runs > 0 ? 1 : 0;
+    all.runs += of.runs;
+    all.followed += of.followed;
+  }
+  CAPTURE(triples, all.runs, all.followed);
+  CHECK(triples >= 20);
+  CHECK(all.followed >= all.runs * 95 / 100);
+}
+
+TEST_CASE("a level waits for the first search of a graph below it", "[strategy][routes]") {
+  static const Problem problem = block_problem();
+  const PlannerSpec root = PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}});
+  for (const std::string graph : {"workspace", "decomposition", "skeleton"}) {
+    CAPTURE(graph);
+    const GuideSpec guide = GuideSpec::make(graph, {}) >> GuideSpec::make("identity", {});
+    const RunRecord run = execute(guide >> root, problem, 1);
+    const auto first = std::find_if(run.turns.begin(), run.turns.end(),
+                                    [](const Turn& turn) { return turn.level == 2 && turn.solve_ended; });
+    REQUIRE(first != run.turns.end());
+    // No proposal of the level above comes before the path of the graph.
+    CHECK(
+        std::none_of(run.turns.begin(), first, [](const Turn& turn) { return turn.level == 1 && turn.proposals > 0; }));
+    CHECK(run.levels.at(1).guided_proposals > 0);
+  }
 }
