@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures what the table of set-ups is made from (runtime/trellis/guide/set_up.cpp): the CPU time of a validity check,
-// and of the set-up of the guides of each strategy of a script, once for a world and again in each run; and of a run of
-// one proposal without a bound, less that of the planner alone: it makes h, and searches S where there is one.
+// Measures what the rates of set-ups are made from (GuideKind::set_up, beside each guide): the CPU time of a validity
+// check, and of the set-up of the guides of each strategy of a script, once for a world and again in each run; and of a
+// run of one proposal without a bound, less that of the planner alone: it makes h, and searches S where there is one.
 //
 //   bench_work SCRIPT [ROUNDS]
 #include <fmt/format.h>
@@ -18,6 +18,8 @@
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/level.hpp>
+
+#include "support/renewed.hpp"
 
 namespace {
 
@@ -37,14 +39,6 @@ double median_seconds(int times, const Body& body) {
     all.push_back(thread_seconds() - begin);
   }
   return median(all);
-}
-
-/// The problem with a copy of its world, of which nothing is known yet.
-Problem renewed(Problem problem) {
-  std::vector<std::size_t> all(problem.scene->obstacle_count());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  problem.scene = problem.scene->with_obstacles(all);
-  return problem;
 }
 
 /// The planner with a budget of one proposal, which h draws.
@@ -96,7 +90,7 @@ int main(int argc, char** argv) {
       std::vector<double> first, again, proposed;
       try {
         for (const dsl::Program& copy : copies) {
-          const Problem fresh = renewed(copy.experiment.problems[p]);
+          const Problem fresh = test::renewed(copy.experiment.problems[p]);
           const StrategySpec planner(strategy.planner());
           const auto seconds = [&](const StrategySpec& of) { return median_seconds(1, [&] { check(of, fresh); }); };
           static_cast<void>(seconds(planner));

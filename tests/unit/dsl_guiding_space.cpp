@@ -193,7 +193,8 @@ TEST_CASE("f and its fibres may be functions") {
       "  project = function(x, y, t) return 10 - x, y, t end,\n"
       "  lift = function(x, y, t, random) return { 10 - x, y, t } end,\n"
       "  valid = function(x, y) return x < 3.5 or x > 6.5 or y > 7.5 end,\n"
-      "  heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end }");
+      "  heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end }",
+      "g >> rrt { bound = 0 }");
   CHECK(run.solved);
   REQUIRE(run.levels.size() == 2);
   CHECK(run.levels[1].start == Configuration{9, 1, 0});

@@ -204,8 +204,9 @@ TEST_CASE("the report names the assumption by which runs share a set-up", "[repo
       run.run.queries = queries;
       run.run.set_up_seconds = run.seed == 1 ? 0.017 : 0.001;
     }
-    const std::string once = "set-up: 4000 checks, 17 ms, once per world; shared by 1000 queries, by assumption\n";
-    const std::string each = "set-up: 4000 checks, 17 ms, in each run (queries = 1)\n";
+    const std::string once =
+        "set-up: 4000 units of work, 17 ms, once per world; shared by 1000 queries, by assumption\n";
+    const std::string each = "set-up: 4000 units of work, 17 ms, in each run (queries = 1)\n";
     for (const std::string& text :
          {overview(experiment, result), report_text(summarise(facts_of(experiment, result)))}) {
       CHECK(has(text, once) == (queries > 1.0));

@@ -324,6 +324,10 @@ class ScriptValidity final : public Validity {
   ScriptValidity(std::shared_ptr<const Calls> calls, Space space, double resolution)
       : calls_(std::move(calls)), space_(std::move(space)), resolution_(resolution), q_(space_.dimension()) {}
 
+  [[nodiscard]] const CheckCost& cost() const override {
+    static constexpr CheckCost of_a_call{.on_motion = 7.0, .alone = 7.0, .distance = 7.0};
+    return of_a_call;
+  }
   [[nodiscard]] bool state(View q) override {
     announce_checks(1);
     bool valid = false;

@@ -31,19 +31,25 @@ class SliceMonitor {
   /// \throws SearchEnded if the search may not continue
   using Ask = std::function<bool(const Spending& next)>;
 
-  /// Work in units of search_cost.
-  struct Rates {
-    double motion_check = 1.0;
-    double check_alone = 1.0;
-    double proposal = 1.0;
+  /// What checks cost, in units of search_cost.
+  struct CheckRates {
+    double on_motion = 1.0;
+    double alone = 1.0;
   };
 
-  SliceMonitor(const Rates& rates, Ask ask) : rates_(rates), ask_(std::move(ask)) {}
+  /// \param rates  of checks that no instance counts
+  /// \param proposal  what a proposal costs, in units of search_cost
+  SliceMonitor(const CheckRates& rates, double proposal, Ask ask)
+      : rates_(rates), proposal_(proposal), ask_(std::move(ask)) {}
 
-  /// Begins a slice: the caller has compared all that was spent so far.
-  void begin() {
-    announced_ = {};
-    limit_ = largest_slice;
+  /// Sets what checks cost that are announced from now on; returns what they cost before.
+  CheckRates set_rates(const CheckRates& rates) { return std::exchange(rates_, rates); }
+  /// Begins a slice: the caller has compared all that was counted so far.
+  /// \param uncounted  announced and not counted yet
+  void begin(const Spending& uncounted) {
+    announced_ = uncounted;
+    counted_ = {};
+    limit_ = {uncounted.checks + largest_slice.checks, uncounted.work + largest_slice.work};
   }
   /// From now on every announcement asks: the search ends.
   void end() { limit_ = {-1.0, -1.0}; }
@@ -54,31 +60,44 @@ class SliceMonitor {
     announced_.work += next.work;
   }
   [[nodiscard]] Spending checks(double count, bool on_motion) const {
-    return {count, count * (on_motion ? rates_.motion_check : rates_.check_alone)};
+    return {count, count * (on_motion ? rates_.on_motion : rates_.alone)};
   }
-  void announce_proposal() { announce({0.0, rates_.proposal}); }
+  /// Announces a proposal, which is counted next.
+  void announce_proposal() { spend(proposal_); }
   /// Announces work that is no checks.
-  void announce_other(double work) {
+  void announce_other(double work) { announce({0.0, work}); }
+  /// Announces such work, which is counted next.
+  void spend(double work) {
     announce({0.0, work});
-    other_ += work;
+    counted_.work += work;
   }
-  /// All that was announced since the last call of `begin`.
+  /// What was announced since the last call of `begin`, and what had not been counted then.
   [[nodiscard]] const Spending& announced() const { return announced_; }
-  /// All such work that was announced so far.
-  [[nodiscard]] double other() const { return other_; }
   /// Takes back announced checks that were not needed.
   void withdraw(const Spending& unspent) {
     announced_.checks -= unspent.checks;
     announced_.work -= unspent.work;
   }
+  /// What was announced less what `spend` and the function below have counted.
+  [[nodiscard]] Spending uncounted() const {
+    return {announced_.checks - counted_.checks, announced_.work - counted_.work};
+  }
+  /// Makes what was announced, and not counted, since a call of `uncounted` what is counted now. Asks nothing.
+  /// \param before  the result of that call
+  void settle(const Spending& before, const Spending& counted) {
+    counted_.checks += counted.checks;
+    counted_.work += counted.work;
+    announced_ = {before.checks + counted_.checks, before.work + counted_.work};
+  }
 
  private:
   void ask(const Spending& next);
 
-  Rates rates_;
+  CheckRates rates_;
+  double proposal_;
   Ask ask_;
   Spending announced_;
-  double other_ = 0.0;
+  Spending counted_;                ///< part of `announced_` that was counted one by one
   Spending limit_ = largest_slice;  ///< value of `announced_` beyond which it asks
 };
 
@@ -113,16 +132,6 @@ inline void announce_checks(std::uint32_t most) {
 /// \throws SearchEnded if the search may not continue
 inline void announce_proposal() {
   if (is_monitored()) thread_monitor->announce_proposal();
-}
-/// The number of checks that this thread's monitor has received; negative if it has none.
-[[nodiscard]] inline double announced_checks() { return is_monitored() ? thread_monitor->announced().checks : -1.0; }
-/// Announces those of counted checks that were not announced, as that of a configuration beyond the limits of a space.
-/// \param before  value of announced_checks() before these checks; without effect if negative
-/// \throws SearchEnded if the search may not continue
-inline void announce_rest(double before, double counted) {
-  if (before < 0.0 || !is_monitored()) return;
-  const double rest = counted - (thread_monitor->announced().checks - before);
-  if (rest > 0.0) thread_monitor->announce(thread_monitor->checks(rest, false));
 }
 /// Takes back those that a motion did not need.
 inline void withdraw_motion_checks(std::uint32_t unspent) {

@@ -106,11 +106,13 @@ GuideKind aggregate_kind() {
   claims.no_path =
       "the error is halved and S solved again, `refinements` times, then without hulls; without a path there, h goes "
       "along the path to the node nearest to the goal";
-  return {&aggregate_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<Aggregate>(aggregate_settings().read(o));
-          },
-          "rrt_connect", [](const Options& o) { return aggregate_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{&aggregate_settings().component(),
+                   [](const Options& o) -> std::unique_ptr<Guide> {
+                     return std::make_unique<Aggregate>(aggregate_settings().read(o));
+                   },
+                   "rrt_connect", [](const Options& o) { return aggregate_settings().read(o).resolves; },
+                   std::move(claims)}
+      .set_up({.world = {300, 110}, .run = {100}}, {.world = {1300, 6000}, .run = {400}});
 }
 
 }  // namespace trellis

@@ -61,6 +61,7 @@ class AlongValidity final : public Validity {
     if (!moves) certificate.refuted_at = 1.0;
   }
   [[nodiscard]] double clearance(View s) override { return placed_->clearance(at(s)); }
+  [[nodiscard]] const CheckCost& cost() const override { return placed_->cost(); }
   [[nodiscard]] bool spends_checks() const override { return placed_->spends_checks(); }
   [[nodiscard]] std::optional<Contact> contact(View s) override { return placed_->contact(at(s)); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return placed_->nearest_obstacle(at(s)); }

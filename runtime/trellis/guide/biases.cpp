@@ -98,6 +98,7 @@ class NearObstacle final : public Heuristic {
   Source sample(Stream& stream, MutableView out) override {
     const auto& space = parent_.space;
     for (std::int64_t i = 0; i < settings_.tries; ++i) {
+      parent_.spend(search_cost::coordinate * static_cast<double>(a_.size() + b_.size()));
       space.sample_uniform(stream, a_);
       if (space.flat()) {
         for (std::size_t j = 0; j < b_.size(); ++j) {
@@ -142,6 +143,7 @@ class NearObstacle final : public Heuristic {
 GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
                         std::string density, bool closed_form, std::string feedback) {
   GuideKind kind{&component, make, "", [](const Options&) { return std::int64_t{0}; }};
+  kind.planar = kind.spatial = {.run = {10}};
   GuideClaims& claims = kind.claims;
   claims.category = GuideClaims::Category::sampling;
   claims.f = "S = {0}";

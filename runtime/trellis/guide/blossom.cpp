@@ -265,6 +265,7 @@ class BlossomHeuristic final : public Wrapping<Heuristic, Heuristic> {
     for (std::size_t i = 0; i < controls_; ++i) {
       model_->sample_control(stream, control_);
       const auto steps = static_cast<std::uint32_t>(1 + stream.below(query.longest));
+      parent_.spend(search_cost::node_rated + search_cost::integration * static_cast<double>(steps));
       std::copy(query.from.begin(), query.from.end(), state_.begin());
       for (std::uint32_t k = 0; k < steps; ++k) model_->step(space, state_, control_, state_);
       if (!space.contains(state_) || !model_->admits(state_)) continue;
@@ -341,10 +342,11 @@ GuideKind blossom_kind() {
   claims.feedback =
       "nodes have a cost to go along the path and a number of extensions; the longer none came farther along the path, "
       "the farther back nodes are extended";
-  return {
+  return GuideKind{
       &blossom_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Blossom>(blossom_settings().read(o)); },
-      "rrt_connect", [](const Options& o) { return blossom_settings().read(o).resolves; }, std::move(claims)};
+      "rrt_connect", [](const Options& o) { return blossom_settings().read(o).resolves; }, std::move(claims)}
+      .set_up({.run = {50}}, {.run = {200}});
 }
 
 }  // namespace trellis

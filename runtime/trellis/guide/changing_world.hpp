@@ -27,6 +27,7 @@ class ChangingWorld final : public Validity {
 
   [[nodiscard]] bool state(View q) override { return validity_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return validity_->motion(a, b); }
+  [[nodiscard]] const CheckCost& cost() const override { return validity_->cost(); }
   [[nodiscard]] double clearance(View q) override { return validity_->clearance(q); }
   /// The contact of the robot with this world.
   [[nodiscard]] std::optional<Contact> contact(View q) override { return validity_->contact(q); }

@@ -18,9 +18,13 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/guide/set_up.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/scene/cells.hpp>
+#include <trellis/scene/planar/triangulation.hpp>
 #include <trellis/scene/scene.hpp>
+#include <trellis/scene/spatial/octree_cells.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -548,6 +552,27 @@ class LeadHeuristic final : public Heuristic {
   Configuration position_;
 };
 
+/// Returns the length of the cells' sides near obstacles, in metres.
+/// \param tip  the position is that of an arm's tip, which has no size
+double side_of(const DecompositionSettings& settings, const Scene& scene, bool tip) {
+  if (settings.size > 0.0) return settings.size;
+  const double world = scene.diagonal();
+  return tip ? 0.05 * world : std::max(2.0 * size_or(scene, 0.01 * world), 0.005 * world);
+}
+
+/// Returns the number of cells that cells of the least size would be.
+/// \throws Error for too many triangles
+double cells_of(const Options& options, const Scene& scene) {
+  const double side = side_of(decomposition_settings().read(options), scene, !scene.translates());
+  if (const PlanarScene* const plane = scene.planar()) {
+    constexpr double of_corner = 2.0;
+    return Triangulation::at_most(plane->world.bounds(), side) + of_corner * world_size(scene);
+  }
+  const Vec3 extent = spatial_world(scene)->bounds().hi - spatial_world(scene)->bounds().lo;
+  const double all = std::ceil(extent.x / side) * std::ceil(extent.y / side) * std::ceil(extent.z / side);
+  return std::min(all, static_cast<double>(OctreeCells::most_cells));
+}
+
 class DecompositionGuide final : public Guide, public Repairs {
  public:
   explicit DecompositionGuide(const DecompositionSettings& settings) : settings_(settings) {}
@@ -557,7 +582,7 @@ class DecompositionGuide final : public Guide, public Repairs {
     auto instance = projection.point_instance(parent);
     double scale = 1.0;
     for (const Axis& axis : instance->space.axes()) scale *= axis.weight;
-    const double side = side_length(parent, projection.arm());
+    const double side = side_of(settings_, *parent.scene, projection.arm());
     // Positions of the reference point that are nearer to obstacles are invalid in C.
     const double needed = projection.arm() ? 0.0 : parent.scene->inscribed_radius();
     auto cells = free_cells(*instance->scene, side, needed);
@@ -640,13 +665,6 @@ class DecompositionGuide final : public Guide, public Repairs {
   }
 
  private:
-  /// \param tip  the position is that of an arm's tip, which has no size
-  [[nodiscard]] double side_length(const Instance& parent, bool tip) const {
-    if (settings_.size > 0.0) return settings_.size;
-    const double world = parent.scene->diagonal();
-    return tip ? 0.05 * world : std::max(2.0 * size_or(*parent.scene, 0.01 * world), 0.005 * world);
-  }
-
   /// Makes the graph: cells are vertices at their centres, with edges through the points where they meet. Start and
   /// goals are connected to the cells that contain them.
   void make_graph(const Instance& instance) {
@@ -750,7 +768,7 @@ class DecompositionGuide final : public Guide, public Repairs {
 }  // namespace
 
 GuideKind decomposition_kind() {
-  return {
+  return GuideKind{
       &decomposition_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> {
         return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
@@ -776,7 +794,8 @@ GuideKind decomposition_kind() {
        .no_path = "the lead goes to the cell nearest to the goal that can be reached; uniform where the start "
                   "is in none",
        .example = "examples/kinodynamic.lua",
-       .needs = GuideClaims::Needs::position}};
+       .needs = GuideClaims::Needs::position}}
+      .set_up({.world = {7000, 8}, .run = {3000, 0.25}}, {.world = {200000, 2}, .run = {34000}}, cells_of);
 }
 
 }  // namespace trellis

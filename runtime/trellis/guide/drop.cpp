@@ -102,8 +102,7 @@ class Drop final : public PathGuide {
   bool bring_back(View q) {
     bool found = false;
     while (!dropped_.empty()) {
-      ++parent_->checks.validity;
-      const auto hit = left_out_->contact(q);
+      const auto hit = parent_->check_one([&] { return left_out_->contact(q); });
       if (!hit || !hit->obstacle) break;
       back_.push_back(dropped_[*hit->obstacle]);
       dropped_.erase(dropped_.begin() + static_cast<std::ptrdiff_t>(*hit->obstacle));
@@ -166,11 +165,8 @@ class Drop final : public PathGuide {
   bool runs_into_what_is_back(const std::vector<std::size_t>& legs) {
     ChangingWorld back(*parent_, parent_->scene->with_obstacles(back_));
     for (const std::size_t i : legs) {
-      const double before = announced_checks();
-      const MotionReport report = back.motion(std::as_const(path_)[i], std::as_const(path_)[i + 1]);
-      parent_->checks.validity += report.checks;
-      ++parent_->checks.motion;
-      announce_rest(before, report.checks);
+      const MotionReport report =
+          parent_->check_motion([&] { return back.motion(std::as_const(path_)[i], std::as_const(path_)[i + 1]); });
       if (!report.valid) return true;
     }
     return false;
@@ -198,9 +194,11 @@ GuideKind drop_kind() {
   claims.feedback =
       "an obstacle that C hit beside the path returns before S is solved again, which is at once where "
       "the path runs into it";
-  return {&drop_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Drop>(drop_settings().read(o)); },
-          "rrt_connect", [](const Options& o) { return drop_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{
+      &drop_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Drop>(drop_settings().read(o)); },
+      "rrt_connect", [](const Options& o) { return drop_settings().read(o).resolves; }, std::move(claims)}
+      .set_up({.run = {90, 0.5}}, {.run = {430, 9}});
 }
 
 }  // namespace trellis

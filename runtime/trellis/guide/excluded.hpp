@@ -118,6 +118,7 @@ class ExcludingValidity final : public EvaluatedValidity {
   /// Only exclusions can have made the motion invalid, unless the inner validity changed too.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override;
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
+  [[nodiscard]] const CheckCost& cost() const override { return inner_->cost(); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
   [[nodiscard]] std::shared_ptr<Validity> checking() const override { return trellis::checking(inner_); }
   [[nodiscard]] double effort_factor(View a, View b) const override { return inner_->effort_factor(a, b); }

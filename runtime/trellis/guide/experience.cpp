@@ -14,6 +14,7 @@
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/set_up.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
@@ -548,11 +549,13 @@ GuideKind experience_kind() {
       "as invalid";
   claims.fallback = GuideClaims::Fallback::own;
   claims.no_path = "the library has no path of this space and robot: h is uniform";
-  return {&experience_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<Experience>(experience_settings().read(o));
-          },
-          "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{&experience_settings().component(),
+                   [](const Options& o) -> std::unique_ptr<Guide> {
+                     return std::make_unique<Experience>(experience_settings().read(o));
+                   },
+                   "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; },
+                   std::move(claims)}
+      .set_up({.world = {15000}, .run = {100, 1500}}, {.world = {15000}, .run = {430, 6500}}, retrieved_paths);
 }
 
 }  // namespace trellis

@@ -28,11 +28,13 @@ GuideKind holonomic_kind() {
       "(q, velocities) -> q, joined by straight motions; the identity without a motion model",
       "a start or goal that is valid in C stays valid: S drops the bounds on velocities", "examples/kinodynamic.lua");
   claims.h += "; velocities uniform, of speeds those forwards";
-  return {&holonomic_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<Holonomic>("holonomic", holonomic_settings().read(o));
-          },
-          "rrt_connect", [](const Options& o) { return holonomic_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{&holonomic_settings().component(),
+                   [](const Options& o) -> std::unique_ptr<Guide> {
+                     return std::make_unique<Holonomic>("holonomic", holonomic_settings().read(o));
+                   },
+                   "rrt_connect", [](const Options& o) { return holonomic_settings().read(o).resolves; },
+                   std::move(claims)}
+      .set_up({.run = {50}}, {.run = {200}});
 }
 
 }  // namespace trellis

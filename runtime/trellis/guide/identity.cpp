@@ -37,11 +37,13 @@ GuideKind identity_kind() {
       "a point of the path found in S, a step ahead of the tree, then uniform on a ball about it of a quarter of "
       "`radius`, which grows where that fails. `tube { delta = r, distance = \"full\" }` is the set that identity { "
       "follow = \"tube\", radius = r } proposes in, about its own path";
-  return {&identity_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<Identity>(identity_settings().read(o));
-          },
-          "rrt_connect", [](const Options& o) { return identity_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{&identity_settings().component(),
+                   [](const Options& o) -> std::unique_ptr<Guide> {
+                     return std::make_unique<Identity>(identity_settings().read(o));
+                   },
+                   "rrt_connect", [](const Options& o) { return identity_settings().read(o).resolves; },
+                   std::move(claims)}
+      .set_up({.run = {30}}, {.run = {60}});
 }
 
 }  // namespace trellis

@@ -57,7 +57,8 @@ class InformationGain final : public Heuristic {
   Source sample(Stream& stream, MutableView out) override {
     double most = -1.0;
     for (std::int64_t i = 0; i < settings_.candidates; ++i) {
-      parent_.spend(search_cost::neighbours);
+      parent_.spend(search_cost::neighbours +
+                    search_cost::neighbours_compared * std::exp2(std::min(7.0, static_cast<double>(space_.degrees()))));
       space_.sample_uniform(stream, candidate_);
       const double gain = this->gain(candidate_);
       if (gain <= most) continue;

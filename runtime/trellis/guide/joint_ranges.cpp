@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/joint_ranges.hpp>
 
 #include <algorithm>
@@ -104,6 +105,8 @@ double JointRanges::density_factor(std::size_t stage_index, View q) {
   Stage& stage = stages_[stage_index];
   const Key at = key(stage, q);
   Range& of = range(stage, at);
+  // What densities check is no part of the search.
+  const MonitorScope unmonitored(nullptr);
   std::uint64_t uncounted = 0;
   for (std::size_t k = 0; k < slices_; ++k) static_cast<void>(is_free(stage, at, of, k, uncounted));
   const std::size_t free = slices_ - of.blocked;
@@ -149,10 +152,11 @@ std::uint64_t JointRanges::take_checks() {
 
 void RangedProjection::lift(View s, Stream& stream, MutableView q) const {
   ranges_->kept().lift(s, stream, q);
+  const Instance::Announced before = counted_ != nullptr ? counted_->open_checks() : Instance::Announced{};
   for (std::size_t stage = 0; stage < ranges_->size(); ++stage) {
     if (stream.uniform() >= uniform_share) ranges_->draw(stage, stream, q);
   }
-  if (counted_ != nullptr) counted_->validity += ranges_->take_checks();
+  if (counted_ != nullptr) counted_->count_alone(before, ranges_->take_checks());
 }
 
 double RangedProjection::log_fibre_density(View q) const {
@@ -166,10 +170,11 @@ double RangedProjection::log_fibre_density(View q) const {
 }
 
 bool RangedValidity::state(View s) {
-  const bool valid = own_->state(s) && ranges_->open(s);
-  const std::uint64_t checks = ranges_->take_checks();
-  if (counted_ != nullptr) counted_->validity += checks;
-  return valid;
+  if (!own_->state(s)) return false;
+  const Instance::Announced before = counted_ != nullptr ? counted_->open_checks() : Instance::Announced{};
+  const bool open = ranges_->open(s);
+  if (counted_ != nullptr) counted_->count_alone(before, ranges_->take_checks());
+  return open;
 }
 
 MotionReport RangedValidity::motion(View a, View b) {
@@ -186,6 +191,7 @@ MotionReport RangedValidity::motion(View a, View b) {
     const double slice = (axis.hi - axis.lo) / static_cast<double>(ranges_->slices());
     pieces = std::max(pieces, std::ceil(2.0 * std::abs(change[j]) / slice));
   }
+  if (counted_ != nullptr) counted_->spend(search_cost::slice * pieces);
   for (double k = 1.0; k <= pieces; k += 1.0) {
     space.interpolate(a, b, k / pieces, at);
     if (ranges_->open(at)) continue;

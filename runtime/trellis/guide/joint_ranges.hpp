@@ -79,7 +79,7 @@ class RangedProjection final : public Projection {
   explicit RangedProjection(std::shared_ptr<JointRanges> ranges) : ranges_(std::move(ranges)) {}
 
   /// Sets the counter for the checks of `lift`.
-  void count_in(Checks& checks) { counted_ = &checks; }
+  void count_in(Instance& instance) { counted_ = &instance; }
 
   void project(View q, MutableView s) const override { ranges_->kept().project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override;
@@ -92,7 +92,7 @@ class RangedProjection final : public Projection {
 
  private:
   std::shared_ptr<JointRanges> ranges_;
-  Checks* counted_ = nullptr;
+  Instance* counted_ = nullptr;
 };
 
 /// Validity in S that also requires a free range of the first dropped joint, in every slice that a motion crosses.
@@ -102,10 +102,11 @@ class RangedValidity final : public Validity {
       : own_(std::move(own)), ranges_(std::move(ranges)) {}
 
   /// Sets the counter for checks of single configurations.
-  void count_in(Checks& checks) { counted_ = &checks; }
+  void count_in(Instance& instance) { counted_ = &instance; }
 
   [[nodiscard]] bool state(View s) override;
   [[nodiscard]] MotionReport motion(View a, View b) override;
+  [[nodiscard]] const CheckCost& cost() const override { return own_->cost(); }
   [[nodiscard]] double clearance(View s) override { return own_->clearance(s); }
   [[nodiscard]] std::optional<Contact> contact(View s) override { return own_->contact(s); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return own_->nearest_obstacle(s); }
@@ -114,7 +115,7 @@ class RangedValidity final : public Validity {
  private:
   std::shared_ptr<Validity> own_;
   std::shared_ptr<JointRanges> ranges_;
-  Checks* counted_ = nullptr;
+  Instance* counted_ = nullptr;
 };
 
 }  // namespace trellis

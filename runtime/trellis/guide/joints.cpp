@@ -178,7 +178,7 @@ class Joints final : public Guide {
   }
 
   void attach(Instance& sub) override {
-    if (ranged_) ranged_->count_in(sub.checks);
+    if (ranged_) ranged_->count_in(sub);
   }
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
@@ -193,7 +193,7 @@ class Joints final : public Guide {
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);
-    if (ranged_lift_) ranged_lift_->count_in(parent.checks);
+    if (ranged_lift_) ranged_lift_->count_in(parent);
     const double step = parent.step > 0.0 ? parent.step : characteristic_length(*sub);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>(name_, sub->space, found->path, tube_radius(settings_, *sub), window,
@@ -230,9 +230,11 @@ GuideKind team_kind() {
       "about it in S; the other robots are uniform";
   claims.needs = GuideClaims::Needs::team;
   claims.density = "of the tube in S times that of the other robots";
-  return {&team_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Joints>(team_settings().read(o)); },
-          "rrt_connect", [](const Options& o) { return team_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{
+      &team_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Joints>(team_settings().read(o)); },
+      "rrt_connect", [](const Options& o) { return team_settings().read(o).resolves; }, std::move(claims)}
+      .set_up({.run = {75, 0.125}}, {.run = {800}});
 }
 
 GuideKind joints_kind() {
@@ -248,10 +250,11 @@ GuideKind joints_kind() {
       "about it in S; the axes dropped are uniform, or from their free ranges";
   claims.needs = GuideClaims::Needs::robot_axes;
   claims.density = "of the tube in S times that of the axes dropped";
-  return {
+  return GuideKind{
       &joints_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Joints>(joints_settings().read(o)); },
-      "rrt", [](const Options& o) { return joints_settings().read(o).resolves; }, std::move(claims)};
+      "rrt", [](const Options& o) { return joints_settings().read(o).resolves; }, std::move(claims)}
+      .set_up({.run = {110, 0.125}}, {.run = {700}});
 }
 
 }  // namespace trellis

@@ -119,6 +119,7 @@ class PresumedValidity final : public EvaluatedValidity {
     return verified_->contain(a, b) ? 1.0 : unverified_;
   }
   [[nodiscard]] bool spends_checks() const override { return false; }
+  [[nodiscard]] const CheckCost& cost() const override { return checking_->cost(); }
   [[nodiscard]] std::shared_ptr<Validity> checking() const override { return checking_; }
   /// All configurations within a ball are invalid, so another space that presumes this one valid may exclude the same
   /// ball.
@@ -418,15 +419,17 @@ GuideKind lazy_kind() {
       "that C finds invalid, there or by proposals, become invalid in S, whose search continues where the path was "
       "refuted. Where a tree follows a guide in S, an invalid edge refutes no candidate: the planner in C searches for "
       "a path there, and `evidence` blocked proposals make the place invalid in S";
-  return {&lazy_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
-          "lazy_prm",
-          [](const Options& o) { return lazy_settings().read(o).resolves; },
-          std::move(claims),
-          false,
-          // A tree follows its guide; a roadmap would find shortcuts. Unguided proposals would pass through obstacles,
-          // because every configuration is presumed valid.
-          {"rrt", {{"goal_bias", 0.0}, {"uniform", 0.0}, {"bound", 0.0}}}};
+  return GuideKind{
+      &lazy_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
+      "lazy_prm",
+      [](const Options& o) { return lazy_settings().read(o).resolves; },
+      std::move(claims),
+      false,
+      // A tree follows its guide; a roadmap would find shortcuts. Unguided proposals would pass through obstacles,
+      // because every configuration is presumed valid.
+      {"rrt", {{"goal_bias", 0.0}, {"uniform", 0.0}, {"bound", 0.0}}}}
+      .set_up({.run = {80}}, {.run = {130}});
 }
 
 }  // namespace trellis

@@ -137,7 +137,7 @@ class Learned final : public SamplingGuide {
 }  // namespace
 
 GuideKind learned_kind() {
-  return {
+  return GuideKind{
       &learned_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Learned>(learned_settings().read(o)); },
       "",
@@ -154,7 +154,8 @@ GuideKind learned_kind() {
        .fallback = GuideClaims::Fallback::none,
        .no_path = "nothing is searched",
        .example = "examples/real/learned.lua",
-       .needs = GuideClaims::Needs::position_axes}};
+       .needs = GuideClaims::Needs::position_axes}}
+      .set_up({.run = {450000}}, {.run = {450000}});
 }
 
 }  // namespace trellis

@@ -33,6 +33,7 @@ class ObstacleBased final : public Heuristic {
 
   Source sample(Stream& stream, MutableView out) override {
     for (std::int64_t i = 0; i < settings_.tries; ++i) {
+      parent_.spend(search_cost::coordinate * static_cast<double>(inside_.size()));
       parent_.space.sample_uniform(stream, inside_);
       if (parent_.valid(inside_)) continue;
       ray_.draw_direction(stream);

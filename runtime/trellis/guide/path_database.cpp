@@ -15,6 +15,7 @@
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/set_up.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
@@ -416,7 +417,7 @@ class PathDatabaseGuide final : public SamplingGuide {
 }  // namespace
 
 GuideKind path_database_kind() {
-  return {
+  return GuideKind{
       &path_database_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> {
         return std::make_unique<PathDatabaseGuide>(path_database_settings().read(o));
@@ -435,7 +436,8 @@ GuideKind path_database_kind() {
        .invalid_ends = "nothing is projected",
        .fallback = GuideClaims::Fallback::none,
        .no_path = "nothing is searched; where the library has no path of this space and robot, h is uniform",
-       .example = "examples/experience/use.lua"}};
+       .example = "examples/experience/use.lua"}}
+      .set_up({.world = {15000}, .run = {100, 1000}}, {.world = {15000}, .run = {430, 4300}}, retrieved_paths);
 }
 
 }  // namespace trellis

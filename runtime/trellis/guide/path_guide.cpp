@@ -381,11 +381,7 @@ bool PathGuide::keep_apart_from(const Configurations& path) {
   // As dense as the balls of `exclude`: half the radius apart.
   const Configurations bottlenecks = excluding_->points_along(path, [&](View q) {
     if (!parents_->spends_checks()) return !parents_->state(q);
-    ++sub_->checks.validity;
-    const double before = announced_checks();
-    const bool valid = parents_->state(q);
-    announce_rest(before, 1.0);
-    return !valid;
+    return !sub_->check_one([&] { return parents_->state(q); });
   });
   excluding_->exclude_points(bottlenecks);
   return !bottlenecks.empty();

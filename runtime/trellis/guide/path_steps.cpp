@@ -56,19 +56,11 @@ constexpr double meeting = 1e-6;
 bool SparseValidation::valid(Instance& parent, View q) {
   if (!parent.space.contains(q)) return false;
   if (parent.validity->spends_checks()) {
-    ++parent.checks.validity;
-    const double before = announced_checks();
-    const bool valid = parent.validity->needed(q);
-    announce_rest(before, 1.0);
-    return valid;
+    return parent.check_one([&] { return parent.validity->needed(q); });
   }
   if (!parent.validity->state(q)) return false;
   if (!checked_) checked_ = parent.validity_in(parent.scene);
-  ++parent.checks.validity;
-  const double before = announced_checks();
-  const bool valid = checked_->state(q);
-  announce_rest(before, 1.0);
-  return valid;
+  return parent.check_one([&] { return checked_->state(q); });
 }
 
 SparsePath SparseValidation::validate(Instance& parent, const Configurations& path, View goal, const PointLift& lift,
@@ -119,6 +111,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   std::size_t side = 0;
   while (next[0] <= next[1] && next[1] > 0) {
     const std::size_t at = next[side];
+    parent.spend(search_cost::path_point);
     point_at(s_, path, lengths, piece * static_cast<double>(at), s);
     const double reuse = 0.25 * spacing_;
     bool valid = false;

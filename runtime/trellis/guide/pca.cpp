@@ -312,6 +312,7 @@ class FlatValidity final : public Validity {
     if (!second.valid) second.invalid_at = 0.5 + 0.5 * second.invalid_at;
     return second;
   }
+  [[nodiscard]] const CheckCost& cost() const override { return c_->cost(); }
   [[nodiscard]] double clearance(View s) override { return flat_->at(s, b_) ? c_->clearance(b_) : 0.0; }
   [[nodiscard]] std::optional<Contact> contact(View s) override {
     return flat_->at(s, b_) ? c_->contact(b_) : std::nullopt;
@@ -341,11 +342,11 @@ class Pca final : public PathGuide {
       throw Error(fmt::format("pca: S must have fewer dimensions than {}, which has {}; got {}", space.name(), d, k));
     }
     // Collision checks, even if the parent presumes validity.
-    const std::shared_ptr<Validity> validity = parent.validity_in(parent.scene);
-    Checks checks;
+    Instance checked = parent;
+    checked.validity = parent.validity_in(parent.scene);
+    checked.checks = {};
     Chart chart(space, parent.start);
-    std::vector<double> points =
-        settings_.db.empty() ? samples(chart, *validity, checks) : stored(chart, *parent.scene);
+    std::vector<double> points = settings_.db.empty() ? samples(chart, checked) : stored(chart, *parent.scene);
     std::vector<double> start;
     chart.to(parent.start, start);
     std::vector<std::vector<double>> goals;
@@ -389,7 +390,7 @@ class Pca final : public PathGuide {
     auto instance = std::make_unique<Instance>();
     instance->space = Space(fmt::format("R^{} of {}", k, space.name()), std::move(axes));
     instance->scene = parent.scene;
-    instance->validity = std::make_shared<FlatValidity>(flat_, validity, parent.resolution);
+    instance->validity = std::make_shared<FlatValidity>(flat_, checked.validity, parent.resolution);
     instance->validity_of = [flat = flat_, c = parent](const std::shared_ptr<const Scene>& scene) {
       return std::make_shared<FlatValidity>(flat, c.validity_in(scene), c.resolution);
     };
@@ -397,7 +398,7 @@ class Pca final : public PathGuide {
     instance->goal_tolerance = parent.goal_tolerance;
     instance->resolution = parent.resolution;
     instance->collision = parent.collision;
-    instance->checks = checks;
+    instance->checks = checked.checks;
     return instance;
   }
 
@@ -447,7 +448,7 @@ class Pca final : public PathGuide {
 
   /// Valid configurations in the chart, sampled uniformly; the same in every run, because f of an instance is
   /// deterministic.
-  [[nodiscard]] std::vector<double> samples(const Chart& chart, Validity& validity, Checks& checks) const {
+  [[nodiscard]] std::vector<double> samples(const Chart& chart, Instance& checked) const {
     const Space& space = chart.space();
     Stream stream(0, "pca", "samples");
     std::vector<double> points;
@@ -457,11 +458,8 @@ class Pca final : public PathGuide {
     std::int64_t found = 0;
     for (std::int64_t i = 0; i < settings_.samples * tries_per_sample && found < settings_.samples; ++i) {
       space.sample_uniform(stream, q);
-      ++checks.validity;
-      const double before = announced_checks();
-      const bool valid = validity.state(q);
-      announce_rest(before, 1.0);
-      if (!valid) continue;
+      checked.spend(search_cost::coordinate * static_cast<double>(q.size()));
+      if (!checked.valid(q)) continue;
       chart.to(q, y);
       points.insert(points.end(), y.begin(), y.end());
       ++found;
@@ -522,9 +520,11 @@ GuideKind pca_kind() {
       "a point of the path found on the subspace, which is one of C, from the stretch just beyond what the tree has "
       "reached, then uniform on a ball about it in C; or the path's points in turn";
   claims.relaxes = false;
-  return {&pca_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Pca>(pca_settings().read(o)); },
-          "rrt_connect", [](const Options& o) { return pca_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{
+      &pca_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Pca>(pca_settings().read(o)); },
+      "rrt_connect", [](const Options& o) { return pca_settings().read(o).resolves; }, std::move(claims)}
+      .set_up({.run = {350, 1}}, {.run = {650}});
 }
 
 }  // namespace trellis

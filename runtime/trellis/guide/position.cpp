@@ -31,6 +31,7 @@ class ReachableValidity final : public Validity {
     if (!arm_->reaches(b)) return {false, 1, 1.0};
     return positions_->motion(a, b);
   }
+  [[nodiscard]] const CheckCost& cost() const override { return positions_->cost(); }
   [[nodiscard]] double clearance(View s) override { return positions_->clearance(s); }
   [[nodiscard]] std::optional<Contact> contact(View s) override { return positions_->contact(s); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return positions_->nearest_obstacle(s); }

@@ -34,6 +34,7 @@ class RelaxedValidity final : public Validity {
                             : own_->motion_still_valid(a, b, since);
   }
   [[nodiscard]] double clearance(View q) override { return own_->clearance(q); }
+  [[nodiscard]] const CheckCost& cost() const override { return own_->cost(); }
   [[nodiscard]] bool spends_checks() const override { return own_->spends_checks(); }
   [[nodiscard]] std::shared_ptr<Validity> checking() const override { return trellis::checking(own_); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return own_->contact(q); }

@@ -14,13 +14,19 @@ struct SetUp {
   double run = 0.0;    ///< in each run
 };
 
-/// Estimates the work before it is done: from the kind of the guide, the number of obstacles, and, of guides that
-/// retrieve stored paths, the number of these.
+/// Estimates the work before it is done, by the rates of the guide's kind.
 /// \param guide  the name of a guide of the catalogue
 /// \param options  of the guide
-/// \throws Fault for a guide without an entry
+/// \throws Error for options that would make too many cells
 SetUp set_up_of(std::string_view guide, const Options& options, const Scene& scene);
 /// The same for a guide that is not in the catalogue. What its functions do is not known.
 SetUp set_up_of_custom();
+
+/// Returns the size of the scene's world: in the plane the corners of its obstacles, a disc with eight; in space its
+/// solids, and for meshes and clouds a part of their triangles and points.
+double world_size(const Scene& scene);
+
+/// Returns the number of stored paths that a guide with the options `db` and `candidates` retrieves at most.
+double retrieved_paths(const Options& options, const Scene& scene);
 
 }  // namespace trellis

@@ -62,7 +62,7 @@ class Shrink final : public PathGuide {
 }  // namespace
 
 GuideKind shrink_kind() {
-  return {
+  return GuideKind{
       &shrink_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
       "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; },
@@ -72,7 +72,8 @@ GuideKind shrink_kind() {
           "scaled across their axes",
           "S has no path; a start or goal that is valid in C stays valid where the robot is star-shaped about its "
           "reference point or fixed to its base",
-          "examples/nested.lua")};
+          "examples/nested.lua")}
+      .set_up({.run = {90, 0.125}}, {.run = {520, 4}});
 }
 
 }  // namespace trellis

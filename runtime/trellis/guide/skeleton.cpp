@@ -304,10 +304,9 @@ class GraphBuilder {
     Configuration q(dimension_);
     for (double done = 0.0;; done = std::min(length, done)) {
       instance_.space.interpolate(a, b, length > 0.0 ? done / length : 0.0, q);
-      ++instance_.checks.validity;
-      ++instance_.checks.alone;
-      instance_.checks.other += search_cost::clearance;
+      const Instance::Announced before = instance_.open_checks();
       const double room = disc_->clearance(q);
+      instance_.count_distance(before);
       if (!(room > 0.0)) return false;
       if (done >= length) return true;
       done += std::max(room, disc_step_);
@@ -315,9 +314,7 @@ class GraphBuilder {
   }
   /// Whether the disc of the least clearance is free at a place. The check counts.
   bool disc_stands(View q) {
-    ++instance_.checks.validity;
-    ++instance_.checks.alone;
-    return disc_->state(q);
+    return instance_.check_one([&] { return disc_->state(q); });
   }
 
   void add_edge(std::uint32_t from, std::uint32_t to, Configurations points, std::vector<double> clearance) {
@@ -992,7 +989,7 @@ class SkeletonGuide final : public PositionGuide {
 }  // namespace
 
 GuideKind skeleton_kind() {
-  return {
+  return GuideKind{
       &skeleton_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> {
         return std::make_unique<SkeletonGuide>(skeleton_settings().read(o));
@@ -1017,7 +1014,8 @@ GuideKind skeleton_kind() {
        .no_path = "balls travel along all of the axis that the start is joined to; uniform where it is joined to "
                   "none",
        .example = "examples/nested.lua",
-       .needs = GuideClaims::Needs::position}};
+       .needs = GuideClaims::Needs::position}}
+      .set_up({.world = {8000, 300}, .run = {150, 1}}, {.world = {1.2e6, 4500}, .run = {2600, 60}});
 }
 
 }  // namespace trellis

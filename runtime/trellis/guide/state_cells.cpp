@@ -112,8 +112,9 @@ struct CellHash {
 
 class StateCells final : public Heuristic {
  public:
-  StateCells(const Instance& parent, const StateCellsSettings& settings)
-      : space_(parent.space),
+  StateCells(Instance& parent, const StateCellsSettings& settings)
+      : parent_(parent),
+        space_(parent.space),
         settings_(settings),
         grid_(parent.space, settings.cell > 0.0 ? settings.cell : share_of_step * step_length(parent)),
         start_(parent.start),
@@ -126,6 +127,7 @@ class StateCells final : public Heuristic {
   Source sample(Stream& stream, MutableView out) override {
     const Frontier& frontier = frontiers_[side_];
     drawn_.reset();
+    parent_.spend(search_cost::node_rated);
     if (frontier.cells.empty() || stream.uniform() < settings_.explore) {
       space_.sample_uniform(stream, out);
       return 1;
@@ -200,6 +202,7 @@ class StateCells final : public Heuristic {
     });
   }
 
+  Instance& parent_;
   Space space_;
   StateCellsSettings settings_;
   Grid grid_;

@@ -21,6 +21,7 @@ class TailValidity final : public Validity {
   void certify(View a, View b, Certificate& certificate) override {
     tail_->certify(a.subspan(first_), b.subspan(first_), certificate);
   }
+  [[nodiscard]] const CheckCost& cost() const override { return tail_->cost(); }
   [[nodiscard]] double clearance(View s) override { return tail_->clearance(s.subspan(first_)); }
   [[nodiscard]] std::optional<Contact> contact(View s) override { return tail_->contact(s.subspan(first_)); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override {

@@ -257,6 +257,8 @@ GuideKind kind_of(const Settings<TeamPathSettings>& (*settings)(), std::string n
   claims.needs = GuideClaims::Needs::team;
   GuideKind kind{&settings().component(), make, "rrt_connect", resolves, std::move(claims)};
   kind.divides_team = true;
+  kind.planar = {.run = {40}};
+  kind.spatial = {.run = {60}};
   return kind;
 }
 

@@ -118,9 +118,11 @@ GuideKind widen_kind() {
   claims.h +=
       "; points of the path that are invalid in C are retracted first, to valid ones near them where `repair` "
       "tries find one";
-  return {&widen_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Widen>(widen_settings().read(o)); },
-          "rrt_connect", [](const Options& o) { return widen_settings().read(o).resolves; }, std::move(claims)};
+  return GuideKind{
+      &widen_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Widen>(widen_settings().read(o)); },
+      "rrt_connect", [](const Options& o) { return widen_settings().read(o).resolves; }, std::move(claims)}
+      .set_up({.run = {80, 1}}, {.run = {650, 17}});
 }
 
 }  // namespace trellis

@@ -17,7 +17,7 @@
 #include <trellis/guide/position_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/grid_graph.hpp>
-#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -104,18 +104,48 @@ constexpr double refuted_penalty = 1000.0;
 constexpr double most_cells = 2000;
 constexpr double most_cells_in_space = 150;
 
+/// Returns the length of the cells' sides, in metres, in a space of this dimension.
+double side_of(const WorkspaceSettings& settings, std::size_t dimension, double longest) {
+  const double cells = dimension == 2 ? 40.0 : 20.0;
+  return settings.cell > 0.0 ? settings.cell : longest / cells;
+}
+
+/// Returns the number of cells along an axis.
+/// \throws Error where these are too many
+double cells_along(const std::string& axis, std::size_t dimension, double extent, double cell) {
+  const double count = std::ceil(extent / cell);
+  const double most = dimension == 2 ? most_cells : most_cells_in_space;
+  if (count <= most) return count;
+  throw Error(fmt::format("workspace: option 'cell' is {:g}, which makes {:g} cells along {}; expected at most {:g}",
+                          cell, count, axis, most));
+}
+
+/// Returns the number of cells in a world.
+/// \throws Error where these are too many along one axis
+double cells_of(const Options& options, const Scene& scene) {
+  // The space of an arm's tip is where it reaches.
+  const double most = scene.translates() ? scene.diagonal() : 2.0 * scene.bounding_radius();
+  std::vector<double> extents;
+  if (const PlanarScene* const plane = scene.planar()) {
+    const Vec2 all = plane->world.bounds().hi - plane->world.bounds().lo;
+    extents = {all.x, all.y};
+  } else {
+    const Vec3 all = spatial_world(scene)->bounds().hi - spatial_world(scene)->bounds().lo;
+    extents = {all.x, all.y, all.z};
+  }
+  for (double& extent : extents) extent = std::min(extent, most);
+  const double cell = side_of(workspace_settings().read(options), extents.size(), std::ranges::max(extents));
+  constexpr std::array names = {"x", "y", "z"};
+  double all = 1.0;
+  for (std::size_t j = 0; j < extents.size(); ++j) all *= cells_along(names.at(j), extents.size(), extents[j], cell);
+  return all;
+}
+
 /// Makes the grid graph of the instance in S.
 /// \throws Error if `cell` gives too many cells
 std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
-  for (const auto& axis : instance.space.axes()) {
-    const double count = std::ceil((axis.hi - axis.lo) / cell);
-    const double most = instance.space.dimension() == 2 ? most_cells : most_cells_in_space;
-    if (count > most) {
-      throw Error(
-          fmt::format("workspace: option 'cell' is {:g}, which makes {:g} cells along {}; expected at most {:g}", cell,
-                      count, axis.name, most));
-    }
-  }
+  const std::vector<Axis>& axes = instance.space.axes();
+  for (const auto& axis : axes) static_cast<void>(cells_along(axis.name, axes.size(), axis.hi - axis.lo, cell));
   return std::make_shared<Graph>(grid_graph(instance, cell));
 }
 
@@ -142,8 +172,7 @@ class Workspace final : public PositionGuide {
     }
     double longest = 0.0;
     for (const Axis& axis : instance->space.axes()) longest = std::max(longest, axis.hi - axis.lo);
-    const double cells = instance->space.dimension() == 2 ? 40.0 : 20.0;
-    cell_ = settings_.cell > 0.0 ? settings_.cell : longest / cells;
+    cell_ = side_of(settings_, instance->space.dimension(), longest);
     begin(parent, *instance, grid(*instance, cell_),
           !parent.motion_model &&
               (by_handles || settings_.lift == Lift::path || (arm && settings_.lift == Lift::automatic)));
@@ -252,7 +281,7 @@ class Workspace final : public PositionGuide {
 }  // namespace
 
 GuideKind workspace_kind() {
-  return {
+  return GuideKind{
       &workspace_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> {
         return std::make_unique<Workspace>(workspace_settings().read(o));
@@ -278,7 +307,8 @@ GuideKind workspace_kind() {
                   "start alone. Passages narrower than a cell may be missed",
        .example = "examples/workspace.lua",
        .needs = GuideClaims::Needs::position},
-      true};
+      true}
+      .set_up({.run = {200, 0.8}}, {.run = {4000, 8}}, cells_of);
 }
 
 }  // namespace trellis

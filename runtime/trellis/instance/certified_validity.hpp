@@ -30,6 +30,7 @@ class CertifiedValidity final : public Validity {
   }
   void certify(View a, View b, Certificate& certificate) override { inner_->certify(a, b, certificate); }
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
+  [[nodiscard]] const CheckCost& cost() const override { return inner_->cost(); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
   [[nodiscard]] bool needed(View q) override { return inner_->needed(q); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }

@@ -18,6 +18,12 @@ std::optional<Proximity> Validity::nearest_obstacle(View q) {
 
 namespace {
 
+/// Announces a check and the distance from obstacles.
+void announce_distance(const CheckCost& cost) {
+  announce_checks(1);
+  announce_work(std::max(0.0, cost.distance - cost.alone));
+}
+
 /// The validity of states: within the bounds of the space and the limits of the motion model, and free of collision.
 class StateValidity final : public Validity {
  public:
@@ -36,6 +42,7 @@ class StateValidity final : public Validity {
     configurations_->certify(a, b, certificate);
   }
   [[nodiscard]] double clearance(View x) override { return configurations_->clearance(x); }
+  [[nodiscard]] const CheckCost& cost() const override { return configurations_->cost(); }
   [[nodiscard]] std::optional<Contact> contact(View x) override { return configurations_->contact(x); }
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View x) override {
     return configurations_->nearest_obstacle(x);
@@ -58,13 +65,12 @@ class StateValidity final : public Validity {
   return report;
 }
 
-/// Announces a check and the distance from obstacles.
-void announce_distance() {
-  announce_checks(1);
-  announce_work(search_cost::clearance);
-}
-
 }  // namespace
+
+const CheckCost& Validity::cost() const {
+  static constexpr CheckCost of_one;
+  return of_one;
+}
 
 bool CollisionValidity::state(View q) {
   announce_checks(1);
@@ -82,7 +88,7 @@ void CollisionValidity::announce(View a, View b, const MotionReport& report) {
 }
 
 double CollisionValidity::clearance(View q) {
-  announce_distance();
+  announce_distance(cost_);
   return checker_->clearance(q);
 }
 
@@ -92,21 +98,37 @@ std::optional<Contact> CollisionValidity::contact(View q) {
 }
 
 std::optional<Proximity> CollisionValidity::nearest_obstacle(View q) {
-  announce_distance();
+  announce_distance(cost_);
   return checker_->nearest_obstacle(q);
 }
 
-double Instance::announced() { return announced_checks(); }
+Instance::Announced Instance::open_checks(const CheckCost& cost) {
+  if (!is_monitored()) return {};
+  const Spending uncounted = thread_monitor->uncounted();
+  const SliceMonitor::CheckRates outer = thread_monitor->set_rates({cost.on_motion, cost.alone});
+  return {true, uncounted.checks, uncounted.work, outer.on_motion, outer.alone};
+}
 
-void Instance::announce_missing(double before, std::uint32_t counted, double other) {
-  if (other > 0.0 && announced_checks() < before + counted) announce_work(other);
-  trellis::announce_rest(before, counted);
+void Instance::close_checks(const Announced& before) {
+  if (!before.monitored) return;
+  settle(before, 0.0, 0.0);
+  ask();
+}
+
+void Instance::settle(const Announced& before, double number, double work) {
+  if (!is_monitored()) return;
+  thread_monitor->set_rates({before.on_motion, before.alone});
+  thread_monitor->settle({before.checks, before.work}, {number, work});
+}
+
+void Instance::ask() {
+  if (is_monitored()) thread_monitor->announce({});
 }
 
 void Instance::announce_proposal() { trellis::announce_proposal(); }
 
 void Instance::spend(double work) {
-  announce_work(work);
+  if (is_monitored()) thread_monitor->spend(work);
   checks.other += work;
 }
 
@@ -116,6 +138,7 @@ std::uint32_t Instance::drive(View from, View control, std::uint32_t steps, Conf
   Configuration next(x.size());
   for (std::uint32_t k = 0; k < steps; ++k) {
     motion_model->step(space, x, control, next);
+    spend(search_cost::integration);
     const MotionReport report = motion(x, next);
     if (!report.valid) {
       if (blocked != nullptr) {

@@ -32,6 +32,7 @@ class RevisableValidity final : public Validity {
   void announce(View a, View b, const MotionReport& report) override { current_->announce(a, b, report); }
   void certify(View a, View b, Certificate& certificate) override { current_->certify(a, b, certificate); }
   [[nodiscard]] double clearance(View q) override { return current_->clearance(q); }
+  [[nodiscard]] const CheckCost& cost() const override { return current_->cost(); }
   [[nodiscard]] bool spends_checks() const override { return current_->spends_checks(); }
   /// A path of another space may pass what is excluded: the root goes around it.
   [[nodiscard]] bool needed(View q) override { return original_->needed(q); }

@@ -159,12 +159,7 @@ class Drrt final : public StartTreePlanner {
       constexpr int attempts = 100;
       for (int k = 0; k < attempts; ++k) {
         robot.space.sample_uniform(context_.proposals, q);
-        ++instance.checks.validity;
-        ++instance.checks.alone;
-        const double before = announced_checks();
-        const bool valid = robot.validity->state(q);
-        announce_rest(before, 1.0);
-        if (!valid) {
+        if (!instance.check_one([&] { return robot.validity->state(q); })) {
           report(q, {}, q);
           continue;
         }
@@ -210,9 +205,8 @@ class Drrt final : public StartTreePlanner {
     robot.neighbours.emplace_back();
     for (std::size_t k = 0; k < most; ++k) {
       const std::uint32_t v = near[k].second;
-      const MotionReport report = robot.validity->motion(std::as_const(robot.vertices)[v], q);
-      context_.instance.checks.validity += report.checks;
-      ++context_.instance.checks.motion;
+      const MotionReport report =
+          context_.instance.check_motion([&] { return robot.validity->motion(std::as_const(robot.vertices)[v], q); });
       if (!report.valid) {
         Configuration blocked(q.size());
         robot.space.interpolate(std::as_const(robot.vertices)[v], q, report.invalid_at, blocked);

@@ -282,7 +282,7 @@ double EvaluatedGraph::edge_factor(std::uint32_t e) {
 
 double EvaluatedGraph::least_edge_factor() {
   if (weights_ != Weights::proposals) return 1.0;
-  if (in_space()) context_.instance.spend(search_cost::edge * static_cast<double>(graph_->edges.size()));
+  context_.instance.spend(search_cost::edge * static_cast<double>(graph_->edges.size()));
   double least = 1.0;
   for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) least = std::min(least, edge_factor(e));
   return least;

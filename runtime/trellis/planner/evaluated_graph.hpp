@@ -74,14 +74,10 @@ class EvaluatedGraph {
   /// from memory where the graph has it.
   void read_costs();
 
-  /// Counts the work of the beginning of a search: labels of all edges and vertices; in the plane, where graphs are
-  /// small, with their costs.
+  /// Counts the work of the beginning of a search: labels of all edges and vertices, with their costs.
   void count_search() {
     const auto size = static_cast<double>(graph_->edges.size() + graph_->vertices.size());
-    context_.instance.spend((in_space() ? search_cost::label : search_cost::edge) * size);
-  }
-  [[nodiscard]] bool in_space() const {
-    return context_.instance.scene != nullptr && context_.instance.scene->world_dimension() == 3;
+    context_.instance.spend(search_cost::label * size);
   }
 
   /// Begins to draw `samples` proposals.

@@ -90,6 +90,7 @@ class KinodynamicRrt final : public StartTreePlanner {
     std::copy(from.begin(), from.end(), state_.begin());
     Configuration next(dimension());
     for (std::uint32_t k = 0; k < edge.steps; ++k) {
+      context_.instance.spend(search_cost::integration);
       model_.step(context_.instance.space, state_, std::as_const(controls_)[edge.control], next);
       if (!motion_still_valid(context_, state_, next, repair_->since())) return false;
       std::swap(state_, next);
@@ -159,6 +160,7 @@ class KinodynamicRrt final : public StartTreePlanner {
     for (std::int64_t i = 0; i < settings_.controls; ++i) {
       model_.sample_control(context_.proposals, control_);
       const auto steps = static_cast<std::uint32_t>(1 + context_.proposals.below(most_steps_));
+      context_.instance.spend(search_cost::integration * static_cast<double>(steps));
       std::copy(from.begin(), from.end(), state_.begin());
       for (std::uint32_t k = 0; k < steps; ++k) model_.step(space, state_, control_, state_);
       const double distance = space.squared_distance(state_, sample_);

@@ -45,7 +45,7 @@ void LifelongSearch::offer(std::size_t side, const Arc& arc, double cost) {
 }
 
 void LifelongSearch::look_at(std::size_t edges) {
-  announce_work(search_cost::edge * static_cast<double>(edges));
+  announce_work(search_cost::roadmap_edge * static_cast<double>(edges));
   looked_at_ += edges;
 }
 

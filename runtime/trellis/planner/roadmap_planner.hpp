@@ -106,6 +106,8 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   void insert_found(View q, Known known);
   /// Whether a node among the neighbours found has the configuration that they were found for.
   [[nodiscard]] bool is_neighbour() const;
+  /// Work of a search for the neighbours of a new node, and of connecting it.
+  [[nodiscard]] double connection_work() const;
   /// Obtains the instance's evaluator of edges that are presumed valid.
   void begin_evaluation();
   /// Searches until the evaluator's event, or for the shortest path to the goal. Returns the vertex to whose path

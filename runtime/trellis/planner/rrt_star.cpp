@@ -119,6 +119,7 @@ class RrtStar final : public StartTreePlanner {
   /// path from the start; the node becomes the parent of neighbours whose paths it shortens.
   std::uint32_t insert(View q, std::uint32_t from) override {
     const auto& space = context_.instance.space;
+    context_.instance.spend(search_cost::rewired_node);
     connection().find(tree_->index(), q, near_);
     candidates_.clear();
     for (const auto& n : near_) add_candidate(n.id, std::sqrt(n.squared_distance));

@@ -183,10 +183,11 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
      &RunTotals::shortcut_checks},
     {of_run("path_checks", "", none, "configurations checked to certify the paths found; not in validity_checks"),
      &RunTotals::path_checks},
-    {of_run("work", "checks", less,
-            "CPU time by a model, at all levels: validity checks, proposals, searches of graphs, the set-up of guides"),
+    {of_run("work", "units", less,
+            "CPU time by a model in units of 0.07 us, at all levels: validity checks, proposals, searches of graphs, "
+            "the set-up of guides"),
      &RunTotals::work},
-    {of_run("set_up_work", "checks", less,
+    {of_run("set_up_work", "units", less,
             "the work to set up the guides for this run alone, of which work counts one part in queries where it "
             "depends on the world alone"),
      &RunTotals::set_up},

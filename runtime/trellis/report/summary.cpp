@@ -751,7 +751,8 @@ std::string set_up_text(const std::vector<const RunsSummary*>& strategies) {
     if (largest == nullptr || one->set_up > largest->set_up) largest = one;
   }
   if (largest == nullptr) return "";
-  const std::string cost = fmt::format("set-up: {:.0f} checks, {} ms", largest->set_up, fixed(ms, ms < 10.0 ? 1 : 0));
+  const std::string cost =
+      fmt::format("set-up: {:.0f} units of work, {} ms", largest->set_up, fixed(ms, ms < 10.0 ? 1 : 0));
   if (largest->queries <= 1.0) return cost + ", in each run (queries = 1)";
   return fmt::format("{}, once per world; shared by {:g} queries, by assumption", cost, largest->queries);
 }

@@ -174,9 +174,8 @@ class ConflictSearch final : public TeamPartsSearch {
     const std::uint64_t before = instance.checks.validity;
     const Configurations& path = path_;
     while (valid_to_ + 1 < path.size() && instance.checks.validity < before + piece) {
-      const MotionReport report = validity.motion(path[valid_to_], path[valid_to_ + 1]);
-      instance.checks.validity += report.checks;
-      ++instance.checks.motion;
+      const MotionReport report =
+          instance.check_certificate([&] { return validity.motion(path[valid_to_], path[valid_to_ + 1]); });
       if (report.valid) {
         ++valid_to_;
         continue;
@@ -213,13 +212,12 @@ class ConflictSearch final : public TeamPartsSearch {
           bool free = true;
           if (certifies) {
             Certificate certificate{exact_tolerance_of(team)};
+            const Instance::Announced before = team.open_certificate();
             pair.instance->validity->certify(from, to, certificate);
-            team.checks.validity += certificate.checks;
+            team.count_certificate(before, certificate.checks);
             free = certificate.valid();
           } else {
-            ++team.checks.validity;
-            ++team.checks.alone;
-            free = pair.instance->validity->state(from);
+            free = team.check_one([&] { return pair.instance->validity->state(from); });
           }
           if (!free) touch(i, k, robots);
         }
@@ -317,9 +315,8 @@ class ConflictSearch final : public TeamPartsSearch {
       TeamSpace along(team, {*rest}, {}, "others");
       const auto part = along.project(team);
       CertifiedValidity validity(part->validity, exact_tolerance_of(*part));
-      const MotionReport report = validity.motion(Configuration{0.0}, Configuration{rest->length()});
-      team.checks.validity += report.checks;
-      ++team.checks.motion;
+      const MotionReport report =
+          team.check_certificate([&] { return validity.motion(Configuration{0.0}, Configuration{rest->length()}); });
       if (report.valid) break;
       const std::size_t known = conflict_->robots.size();
       add_touching_others(*rest, report.invalid_at * rest->length());
@@ -368,9 +365,7 @@ class ConflictSearch final : public TeamPartsSearch {
         if (before.contains(i) || before.contains(k)) continue;
         const Pair& pair = pair_of(i, k);
         const Configuration of_pair = picked(q, pair.axes);
-        ++context_.instance.checks.validity;
-        ++context_.instance.checks.alone;
-        if (!pair.instance->validity->state(of_pair)) {
+        if (!context_.instance.check_one([&] { return pair.instance->validity->state(of_pair); })) {
           touch(i, k, robots);
           nearest = 0.0;
         } else if (nearest > 0.0) {

@@ -105,6 +105,28 @@ void check_growth(const RunCost& step, const RunCost& cost) {
       fmt::format("a step of the guided search has cost {} checks and {} units of work", step.checks, step.work));
 }
 
+/// Restores what levels have counted, when it ends: the record of a run that continues may search a graph and lift
+/// configurations, which is no part of the run.
+class KeptCounts {
+ public:
+  explicit KeptCounts(std::vector<Level*> levels) : levels_(std::move(levels)) {
+    for (Level* level : levels_) counts_.emplace_back(level->instance().checks, level->instance().lift_work.total());
+  }
+  ~KeptCounts() {
+    for (std::size_t i = 0; i < levels_.size(); ++i) {
+      levels_[i]->instance().checks = counts_[i].first;
+      *levels_[i]->instance().lift_work.shared() = counts_[i].second;
+    }
+  }
+  KeptCounts(const KeptCounts&) = delete;
+  KeptCounts& operator=(const KeptCounts&) = delete;
+
+ private:
+  MonitorScope unmonitored_{nullptr};
+  std::vector<Level*> levels_;
+  std::vector<std::pair<Checks, double>> counts_;
+};
+
 /// A run, from its levels to its record.
 class Running {
  public:
@@ -183,6 +205,7 @@ class Running {
   /// The record so far. Once the search has ended, callable once.
   RunRecord record() {
     const OwnSetUpsScope unshared(own_set_ups());
+    const KeptCounts kept(ended_ ? std::vector<Level*>() : all_levels());
     RunRecord record;
     RootSearch& decisive = companion_decides_ ? companion_->search() : *root_;
     record.solved = record.certified = decisive.certified();
@@ -344,8 +367,8 @@ class Running {
   /// Called before each step of the guided search. Returns whether the run ends.
   bool companion_ends_run() {
     if (run_.ending) return true;
-    begin_slice();
-    return companion_ends_run_before({0.0, monitor_->other() - other_work()}, slice_begun_);
+    const RunCost uncounted = begin_slice();
+    return companion_ends_run_before(uncounted, slice_begun_);
   }
   /// Called before a further set-up, which is no part of a step. Returns whether the run ends.
   bool companion_ends_run_before(double set_up) {
@@ -354,17 +377,20 @@ class Running {
   }
 
   void make_monitor() {
-    const bool in_space = problem_.scene->world_dimension() == 3;
-    using Rates = SliceMonitor::Rates;
-    monitor_.emplace(in_space ? Rates{1.0, 1.0, 1.0 + search_cost::spatial_guided_proposal}
-                              : Rates{search_cost::planar_check, search_cost::planar_check_alone,
-                                      search_cost::planar_proposal + search_cost::planar_guided_proposal},
+    const CheckCost& check = root_->level().instance().validity->cost();
+    monitor_.emplace(SliceMonitor::CheckRates{check.on_motion, check.alone},
+                     search_cost::proposal + search_cost::guided_proposal,
                      [this](const Spending& next) { return ask(next); });
   }
   [[nodiscard]] SliceMonitor* monitor() { return monitor_ ? &*monitor_ : nullptr; }
-  void begin_slice() {
-    slice_begun_ = run_.cost();
-    if (monitor_) monitor_->begin();
+  /// Returns what was announced and not counted yet.
+  RunCost begin_slice() {
+    const RunCost guided = run_.cost();
+    const RunCost uncounted = monitor_ ? announced_only(guided) : RunCost{};
+    slice_begun_ = guided;
+    unannounced_ = run_.unannounced_set_up;
+    if (monitor_) monitor_->begin({uncounted.checks, uncounted.work});
+    return uncounted;
   }
   /// Called within a step, before the guided search spends more than a slice (SliceMonitor::Ask).
   bool ask(const Spending& next) {
@@ -388,22 +414,16 @@ class Running {
   /// What the guided search has announced and not counted: a guide may count its checks after several of them.
   /// \param guided  its cost so far
   [[nodiscard]] RunCost announced_only(const RunCost& guided) const {
-    const double checks = std::max(0.0, monitor_->announced().checks - (guided.checks - slice_begun_.checks));
-    return {checks, monitor_->checks(checks, true).work + monitor_->other() - other_work()};
+    const RunCost counted = guided - slice_begun_;
+    const double set_up = run_.unannounced_set_up - unannounced_;
+    return {std::max(0.0, monitor_->announced().checks - counted.checks),
+            std::max(0.0, monitor_->announced().work - (counted.work - set_up))};
   }
-  /// Announced work of the guided search that is neither checks nor proposals, as counted so far: a search of a roadmap
-  /// counts its work at the end of a step. At most what was announced.
-  [[nodiscard]] double other_work() const {
-    double sum = run_.announced_set_up;
-    for (Level* level : run_.levels) sum += level->instance().checks.other + level->instance().lift_work.total();
-    return std::min(sum, monitor_->other());
-  }
-  /// Adds the checks that the search had made and not counted when it was ended within a step.
+  /// Adds what the search had spent and not counted when it was ended within a step.
   void add_uncounted() {
-    const double motion_check = monitor_ ? monitor_->checks(1.0, true).work : 0.0;
     Checks& checks = root_->level().instance().checks;
     checks.validity += static_cast<std::uint64_t>(uncounted_.checks);
-    checks.other += std::max(0.0, uncounted_.work - motion_check * uncounted_.checks);
+    checks.other += uncounted_.work;
     uncounted_ = {};
   }
 
@@ -523,6 +543,7 @@ class Running {
   RunCost guided_before_;                ///< of the guided search when it was noted last
   RunCost allowed_;                      ///< cost of the guided search that the companion has kept up with
   RunCost slice_begun_;                  ///< cost of the guided search when the monitor began a slice
+  double unannounced_ = 0.0;             ///< run_.unannounced_set_up then
   RunCost uncounted_;                    ///< of the guided search when it was ended within a step
   RunCost largest_step_;
   bool companion_decides_ = false;

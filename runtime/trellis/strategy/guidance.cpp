@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <trellis/guide/set_up.hpp>
+#include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
 
 namespace trellis {
@@ -42,7 +43,14 @@ void add_set_up(const GuideSpec& spec, const Scene& scene, double queries, std::
                 double& sum) {
   for (const auto& term : spec.terms()) add_set_up(term.guide, scene, queries, prepared, sum);
   if (spec.kind() != GuideSpec::Kind::component) return;
-  const SetUp work = spec.custom() ? set_up_of_custom() : set_up_of(spec.name(), spec.options(), scene);
+  const SetUp work = [&] {
+    if (spec.custom()) return set_up_of_custom();
+    try {
+      return set_up_of(spec.name(), spec.options(), scene);
+    } catch (const Error& error) {
+      throw Error(where(spec.origin()) + error.what());
+    }
+  }();
   sum += work.run;
   if (work.world > 0.0 && prepared.insert(spec.name()).second) sum += work.world / queries;
   if (spec.below() != nullptr) add_set_up(*spec.below(), scene, queries, prepared, sum);

@@ -43,16 +43,15 @@ void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
   const SetUp work = set_up_of(guide, scene);
   const bool first = work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second;
   const double of_world = first ? work.world / queries : 0.0;
-  announce_set_up(work.run + of_world);
-  set_up += work.run;
-  set_up += of_world;
+  count_set_up(work.run + of_world);
 }
 
-void Run::announce_set_up(double work) {
+void Run::count_set_up(double work) {
   // A guide that is set up in the world of another one, with other obstacles, may cost more than was estimated.
   const double more = std::max(0.0, set_up + work - std::max(set_up, estimated_set_up));
   announce_work(more);
-  announced_set_up += more;
+  unannounced_set_up += work - more;
+  set_up += work;
 }
 
 void Run::end_searches() {
@@ -65,12 +64,9 @@ void Run::end_searches() {
 void Run::abandon(Level& level) {
   std::erase(levels, &level);
   if (levels.empty()) return;
-  const Instance& from = level.instance();
-  Checks& to = levels.front()->instance().checks;
-  to.validity += from.checks.validity;
-  to.motion += from.checks.motion;
-  to.alone += from.checks.alone;
-  to.other += from.checks.other + from.lift_work.total();
+  Checks& root = levels.front()->instance().checks;
+  root += level.instance().checks;
+  root.other += level.cost().work - level.instance().checks.work - level.instance().checks.other;
 }
 
 bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
@@ -79,11 +75,11 @@ bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
   if (work.world > 0.0 && !prepared_.contains(world)) {
     if (before_set_up && before_set_up(work.run + work.world)) return false;
     prepared_.insert(world);
-    set_up += work.world;
+    set_up += work.run + work.world;
+    unannounced_set_up += work.run + work.world;
   } else {
-    announce_set_up(work.run);
+    count_set_up(work.run);
   }
-  set_up += work.run;
   return true;
 }
 
@@ -121,26 +117,16 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
 
 double Level::own_work() const {
   return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
-         instance_->checks.other + instance_->lift_work.total();
+         instance_->other_in_checks();
 }
 
 RunCost Level::cost() const {
-  const bool in_space = instance_->scene != nullptr && instance_->scene->world_dimension() == 3;
-  const auto checks = static_cast<double>(instance_->checks.validity);
+  const Checks& checks = instance_->checks;
   const double proposals = static_cast<double>(record_.search.proposals.size()) - absorbed_;
-  const auto alone = static_cast<double>(instance_->checks.alone);
   const bool guided = parent_ != nullptr || guidance_.guide() != nullptr;
-  double work = instance_->checks.other + instance_->lift_work.total();
-  if (guided) {
-    work += (in_space ? search_cost::spatial_guided_proposal : search_cost::planar_guided_proposal) * proposals;
-  }
-  if (in_space) {
-    work += checks + proposals;
-  } else {
-    work += search_cost::planar_check * (checks - alone) + search_cost::planar_check_alone * alone +
-            search_cost::planar_proposal * proposals;
-  }
-  return {checks, work};
+  const double proposal = search_cost::proposal + (guided ? search_cost::guided_proposal : 0.0);
+  return {static_cast<double>(checks.validity),
+          checks.work + checks.other + instance_->lift_work.total() + proposal * proposals};
 }
 
 double Level::work() const {
@@ -152,10 +138,8 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
   first_searches_ = first_searches();
   searched_ = false;
   first_search_begun_ = own_work();
-  instance->checks.validity += instance_->checks.validity;
-  instance->checks.motion += instance_->checks.motion;
-  instance->checks.alone += instance_->checks.alone;
-  instance->checks.other += instance_->checks.other + instance->lift_work.total();
+  instance->checks += instance_->checks;
+  instance->checks.other += instance->lift_work.total();
   // Guides that were projected from the instance before count there.
   instance->lift_work = std::move(instance_->lift_work);
   instance->revision = instance_->epoch() + 1;
@@ -351,8 +335,7 @@ void Level::complete(LevelRecord& record, bool lift, const Level* companion) con
     const bool expands = record.search.expands;
     absorb(companion->record_.search, record.search);
     record.search.expands = expands;
-    record.search.checks.validity += companion->instance_->checks.validity;
-    record.search.checks.motion += companion->instance_->checks.motion;
+    record.search.checks += companion->instance_->checks;
     record.search.seconds += companion->record_.search.seconds;
   }
   const LevelGuidance::BothSpent spent = guidance_.spent();

@@ -74,9 +74,9 @@ struct Run {
   bool ending = false;  ///< the planner beside the guided search has ended the run
   /// Called before a further set-up of so much work. Returns whether the run ends.
   std::function<bool(double work)> before_set_up;
-  double estimated_set_up = 0.0;  ///< the caller has announced `set_up` up to this value
-  double announced_set_up = 0.0;  ///< part of `set_up` that was announced when it was counted
-  bool abandons_levels = false;   ///< a level that ends now was not completed
+  double estimated_set_up = 0.0;    ///< the caller has announced `set_up` up to this value
+  double unannounced_set_up = 0.0;  ///< part of `set_up` that was not announced when it was counted
+  bool abandons_levels = false;     ///< a level that ends now was not completed
   /// Ends the searches of all levels, after SearchEnded was thrown through them.
   void end_searches();
   /// Removes a level that was not completed. The root counts its checks from now on.
@@ -94,8 +94,8 @@ struct Run {
   [[nodiscard]] RunCost cost() const;
 
  private:
-  /// Announces set-up work before it is counted, as far as the caller has not announced it.
-  void announce_set_up(double work);
+  /// Counts set-up work, and announces it as far as the caller has not announced it.
+  void count_set_up(double work);
 
   std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
 };
@@ -309,7 +309,7 @@ class LevelGuidance final : public Guidance {
   /// the minimum of any planner.
   static constexpr double grant_rate = 1.5;
   /// Earned by a metre of progress, as a multiple of the checks per metre. Leads of a decomposition need most: 4 to 6.
-  static constexpr double progress_rate = 6.0;
+  static constexpr double progress_rate = 5.0;
   /// The same beside a companion, where it limits how long a tree stays at a place where its guide is stuck.
   static constexpr double companion_progress_rate = 3.0;
   /// Deducted for a metre of progress from the work that the level above counts, as a multiple of the checks per metre.
@@ -360,7 +360,7 @@ class LevelGuidance final : public Guidance {
   }
   [[nodiscard]] Spent own() const {
     return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size()),
-            instance_.checks.other + instance_.lift_work.total()};
+            instance_.other_in_checks()};
   }
   /// Charges the work since `counted_` to the kind of the last proposal.
   void charge(BothSpent& both) const {

@@ -29,8 +29,9 @@ double exact_tolerance_of(const Instance& instance) { return certificate_share *
 
 bool certified(Instance& instance, const Configurations& path) {
   for (const double tolerance : {coarse_tolerance_of(instance), exact_tolerance_of(instance)}) {
+    const Instance::Announced before = instance.open_certificate();
     const PathCertificate certificate = certify(instance.space, *instance.validity, path, tolerance);
-    instance.checks.validity += certificate.checks;
+    instance.count_certificate(before, certificate.checks);
     if (certificate.certified()) return true;
   }
   return false;
@@ -147,12 +148,7 @@ Configurations TeamPartsSearch::shortened(Level& ended) const {
 void TeamPartsSearch::begin_pruning(const Instance& instance, const Configurations& path) {
   const auto validity = std::make_shared<CertifiedValidity>(instance.validity, coarse_tolerance_of(instance));
   pruning_.emplace(path, [&team = context_.instance, validity](View a, View b) {
-    const double before = announced_checks();
-    const MotionReport report = validity->motion(a, b);
-    team.checks.validity += report.checks;
-    ++team.checks.motion;
-    announce_rest(before, report.checks);
-    return report.valid;
+    return team.check_certificate([&] { return validity->motion(a, b); }).valid;
   });
 }
 
@@ -175,11 +171,7 @@ void TeamPartsSearch::finish(Configurations path) {
   }
 }
 
-void TeamPartsSearch::count(const Instance& part) {
-  context_.instance.checks.validity += part.checks.validity;
-  context_.instance.checks.motion += part.checks.motion;
-  context_.instance.checks.alone += part.checks.alone;
-}
+void TeamPartsSearch::count(const Instance& part) { context_.instance.checks += part.checks; }
 
 std::vector<std::size_t> TeamPartsSearch::numbers_of(const std::vector<std::size_t>& robots) const {
   std::vector<std::size_t> numbers;

@@ -35,6 +35,14 @@ struct Contact {
   std::string other_link = {};  ///< of `other`
 };
 
+/// CPU time of collision checks, in units of work (search_cost). It follows the robot and the world, not the backend.
+struct CheckCost {
+  double on_motion = 1.0;  ///< of one configuration on a motion
+  double alone = 1.0;      ///< of one configuration that is on none
+  double distance = 3.0;   ///< of a distance from obstacles, the check included
+  double motion = 0.0;     ///< of a motion, without its configurations
+};
+
 /// The obstacle nearest to the robot at a configuration.
 struct Proximity {
   std::size_t obstacle = 0;  ///< of the world; the first of those at the same distance
@@ -94,6 +102,8 @@ class Checker {
   /// Returns the contact of the robot at q, the first in the order of bodies and obstacles, then of self-collision
   /// pairs; none when q is valid.
   [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;
+  /// Returns what its checks cost.
+  [[nodiscard]] virtual CheckCost cost() const = 0;
 };
 
 /// Returns Trellis' own backend: separating axes and exact distances, eight poses of a motion per step. A grid over the

@@ -188,6 +188,19 @@ class SamplingGuide : public Guide {
   [[nodiscard]] double log_fibre_density(View q) const final;
 };
 
+/// What it costs to make a guide's space before its first search, in units of search_cost: a constant, and a rate for
+/// each part.
+struct SetUpRate {
+  double constant = 0.0;
+  double per_part = 0.0;
+};
+
+/// Such rates: for what depends on the world alone and is kept, and for the rest, which each run makes.
+struct SetUpRates {
+  SetUpRate world = {};
+  SetUpRate run = {};
+};
+
 /// A kind of guide: its description and its factory.
 struct GuideKind {
   const Component* component = nullptr;  ///< name, options and documentation; it outlives the program's use of the kind
@@ -210,6 +223,21 @@ struct GuideKind {
   /// Whether the search of S divides the instance by the robots of a team (guide/team.hpp): its planner and its guides
   /// are then those of each robot's search.
   bool divides_team = false;
+  /// Measured by `scripts/bench-work`.
+  SetUpRates planar = {};
+  SetUpRates spatial = {};
+  /// Returns the number of parts that the rates are for. nullptr: the size of the world (guide/set_up.hpp).
+  /// \throws Error for options that would make too many
+  double (*parts)(const Options&, const Scene&) = nullptr;
+
+  /// Returns this kind with its set-up.
+  GuideKind set_up(const SetUpRates& in_plane, const SetUpRates& in_space,
+                   double (*of)(const Options&, const Scene&) = nullptr) && {
+    planar = in_plane;
+    spatial = in_space;
+    parts = of;
+    return std::move(*this);
+  }
 };
 
 /// Returns all guides, in the order of the reference. Thread-safe.

@@ -90,6 +90,8 @@ class Validity {
   /// Returns a validity with the same answers, for another thread, until the epoch changes; nullptr where answers
   /// depend on what was asked before, or cannot be had twice.
   [[nodiscard]] virtual std::shared_ptr<Validity> for_thread() const { return nullptr; }
+  /// What checks cost where they decide validity.
+  [[nodiscard]] virtual const CheckCost& cost() const;
   /// Announces whether the next motions lead to a guided proposal, so that they are likely to lie on the solution path.
   virtual void expect_guided(bool guided) { static_cast<void>(guided); }
   /// Returns a lower bound on the distance in the metric from an invalid q to the nearest valid configuration; 0 where
@@ -111,7 +113,7 @@ class CollisionValidity final : public Validity {
  public:
   /// \param make  makes the checker, and equal ones for other threads, by which it is called too
   explicit CollisionValidity(std::function<std::unique_ptr<Checker>()> make)
-      : make_(std::move(make)), checker_(make_()) {}
+      : make_(std::move(make)), checker_(make_()), cost_(checker_->cost()) {}
   /// These announce their checks (slice_monitor.hpp).
   [[nodiscard]] bool state(View q) override;
   [[nodiscard]] MotionReport motion(View a, View b) override;
@@ -124,11 +126,13 @@ class CollisionValidity final : public Validity {
   [[nodiscard]] std::shared_ptr<Validity> for_thread() const override {
     return std::make_shared<CollisionValidity>(make_);
   }
+  [[nodiscard]] const CheckCost& cost() const override { return cost_; }
   [[nodiscard]] const Checker& checker() const { return *checker_; }
 
  private:
   std::function<std::unique_ptr<Checker>()> make_;
   std::unique_ptr<Checker> checker_;
+  CheckCost cost_;
 };
 
 /// An explicit graph in a space. A planner searches an instance with a graph exactly.
@@ -163,13 +167,24 @@ struct Checks {
   std::uint64_t validity = 0;  ///< configurations, those on motions included
   std::uint64_t motion = 0;    ///< motions
   std::uint64_t alone = 0;     ///< part of `validity`: not on motions
-  /// Work that is neither checks nor proposals, in validity checks (search_cost): edges that a search of a graph
-  /// considers, nodes and edges that a roadmap adds, distances from obstacles.
+  double work = 0.0;           ///< of all these, in units of search_cost
+  /// Work that is neither checks nor proposals, in units of search_cost: edges that a search of a graph considers,
+  /// nodes and edges that a roadmap adds, presumed validity.
   double other = 0.0;
+
+  Checks& operator+=(const Checks& more) {
+    validity += more.validity;
+    motion += more.motion;
+    alone += more.alone;
+    work += more.work;
+    other += more.other;
+    return *this;
+  }
 };
 
-/// The work of lifting from projections of an instance, in validity checks (search_cost::kinematics). The projections
-/// share the counter with the instance that they were made of; a copy of the instance has a counter of its own.
+/// The work of lifting from projections of an instance, in units of search_cost (search_cost::kinematics). The
+/// projections share the counter with the instance that they were made of; a copy of the instance has a counter of its
+/// own.
 class LiftWork {
  public:
   LiftWork() : total_(std::make_shared<double>(0.0)) {}
@@ -182,7 +197,7 @@ class LiftWork {
   LiftWork& operator=(LiftWork&&) noexcept = default;
   ~LiftWork() = default;
 
-  /// The work so far, in validity checks.
+  /// The work so far.
   [[nodiscard]] double total() const { return total_ ? *total_ : 0.0; }
   [[nodiscard]] const std::shared_ptr<double>& shared() const { return total_; }
 
@@ -190,23 +205,27 @@ class LiftWork {
   std::shared_ptr<double> total_;
 };
 
-/// The work of searches in units of 0.07 us in the plane, of 0.3 us in space: from the CPU times of the strategies of
-/// scripts/pays --catalogue. In the plane a check, one of many of a motion, takes less than a proposal, whose nearest
-/// neighbours are found; in space both take about the same.
+/// The work of searches, in units of 0.07 us: from the CPU times of `scripts/bench-work --law` (docs/performance.md).
+/// What checks cost, CheckCost says.
 namespace search_cost {
-inline constexpr double planar_check = 0.3125;  // on a motion; sums of multiples of these are exact
-inline constexpr double planar_check_alone = 1.0;
-inline constexpr double planar_proposal = 4.5;
-/// What a proposal costs more in a level that guides, or is guided: 0.14 us.
-inline constexpr double planar_guided_proposal = 2.0;
-inline constexpr double spatial_guided_proposal = 0.5;
-inline constexpr double neighbours = 5.5;  ///< a query of k nearest neighbours
-inline constexpr double edge = 1.0;        ///< an edge of a graph that a search considers
-inline constexpr double label = 0.03;      ///< an edge or vertex whose label the beginning of a search clears
-inline constexpr double node = 25.0;       ///< a node that a roadmap connects to its neighbours
-inline constexpr double clearance = 2.0;   ///< a distance from obstacles costs so much more than a check
-/// A step of inverse kinematics of a manipulator: 0.9 to 1.1 us, 2.0 to 4.6 checks of Baxter, Fetch, UR5 and Panda.
-inline constexpr double kinematics = 3.0;
+inline constexpr double proposal = 5.0;              ///< with its nearest neighbour
+inline constexpr double guided_proposal = 1.0;       ///< more in a level that guides, or is guided
+inline constexpr double neighbours = 2.5;            ///< a query of k nearest neighbours, and
+inline constexpr double neighbours_compared = 0.25;  ///< a group of nodes that are compared in it
+inline constexpr double edge = 1.0;                  ///< an edge of a graph that a search considers
+inline constexpr double label = 0.125;               ///< an edge or vertex whose label the beginning of a search clears
+inline constexpr double roadmap_edge = 0.3125;       ///< an edge of a roadmap that a search considers
+inline constexpr double node = 6.0;                  ///< a node that a roadmap connects to its neighbours, and
+inline constexpr double node_compared = 2.0;         ///< a group of nodes that it is compared with then
+inline constexpr double rewired_node = 40.0;         ///< a node of a tree whose neighbours take it as their parent
+inline constexpr double coordinate = 0.25;           ///< a coordinate that a sampler draws, beside those of proposals
+inline constexpr double path_point = 3.0;            ///< a point of a path that a guide validates, without its checks
+inline constexpr double slice = 1.0;                 ///< of a motion, whose place is looked up among known ranges
+inline constexpr double presumed = 1.0;              ///< a configuration or motion that a space presumes valid
+inline constexpr double integration = 0.5;           ///< a step of a motion model
+inline constexpr double node_rated = 4.0;            ///< a node, or cell, that a guide rates
+/// A step of inverse kinematics of a manipulator: 0.9 to 1.1 us for Baxter, Fetch, UR5 and Panda.
+inline constexpr double kinematics = 14.0;
 }  // namespace search_cost
 
 /// A motion planning instance (C, validity, s, t, motion model): the input of a planner and of a guide's projection.
@@ -253,15 +272,84 @@ class Instance {
   /// Returns the distance from q to the nearest goal, in metres of the metric.
   [[nodiscard]] double to_goal(View q) const { return nearest_goal(q).distance; }
 
+  /// What this thread had announced before checks that are counted next (slice_monitor.hpp).
+  struct Announced {
+    bool monitored = false;
+    double checks = 0.0;
+    double work = 0.0;
+    double on_motion = 0.0;  ///< rates of checks until these are counted
+    double alone = 0.0;
+  };
+  /// Called before checks that one of the functions below counts: what they announce costs what checks of this
+  /// instance cost.
+  [[nodiscard]] Announced open_checks() const { return open_checks(validity->cost()); }
+  /// Counts configurations that are on no motion.
+  void count_alone(const Announced& before, std::uint64_t number = 1) {
+    checks.alone += number;
+    count(before, number, static_cast<double>(number) * validity->cost().alone);
+  }
+  /// Counts a motion with so many configurations.
+  void count_motion(const Announced& before, std::uint64_t number) {
+    const CheckCost& cost = validity->cost();
+    ++checks.motion;
+    count(before, number, cost.motion + static_cast<double>(number) * cost.on_motion);
+  }
+  /// The same before checks that `count_certificate` counts.
+  [[nodiscard]] Announced open_certificate() const { return open_checks(certificate_cost()); }
+  /// Counts a motion with the checks of its certificate.
+  void count_certificate(const Announced& before, std::uint64_t number) {
+    const CheckCost cost = certificate_cost();
+    ++checks.motion;
+    count(before, number, cost.motion + static_cast<double>(number) * cost.on_motion);
+  }
+  /// Counts a distance from obstacles, which is one check.
+  void count_distance(const Announced& before) {
+    ++checks.alone;
+    count(before, 1, validity->cost().distance);
+  }
+  /// Calls `decide`, which checks one configuration, and counts the check.
+  template <class Decide>
+  auto check_one(const Decide& decide) {
+    const Announced before = open_checks();
+    auto result = decide();
+    count_alone(before);
+    return result;
+  }
+  /// Calls `certify`, which checks a motion by a certificate, and counts its checks.
+  template <class Certify>
+  MotionReport check_certificate(const Certify& certify) {
+    const Announced before = open_certificate();
+    const MotionReport report = certify();
+    count_certificate(before, report.checks);
+    return report;
+  }
+  /// Calls `decide`, which checks a motion, and counts its checks.
+  template <class Decide>
+  MotionReport check_motion(const Decide& decide) {
+    const Announced before = open_checks();
+    const MotionReport report = decide();
+    count_motion(before, report.checks);
+    return report;
+  }
+
+  /// Calls `measure`, which finds a distance from obstacles, and counts it.
+  template <class Measure>
+  auto measure_distance(const Measure& measure) {
+    if (!validity->spends_checks()) {
+      spend(search_cost::presumed);
+      return measure();
+    }
+    const Announced before = open_checks();
+    auto result = measure();
+    count_distance(before);
+    return result;
+  }
+
   /// Checks the state and counts the check.
   [[nodiscard]] bool valid(View q) {
-    if (!validity->spends_checks()) return validity->state(q);
-    ++checks.validity;
-    ++checks.alone;
-    const double before = announced();
-    const bool valid = validity->state(q);
-    announce_rest(before, 1);
-    return valid;
+    if (validity->spends_checks()) return check_one([&] { return validity->state(q); });
+    spend(search_cost::presumed);
+    return validity->state(q);
   }
   /// Whether the motion was verified since the last change of the instance.
   [[nodiscard]] bool is_verified(View a, View b) const {
@@ -272,31 +360,35 @@ class Instance {
   /// Counts work that is neither checks nor proposals, and announces it (slice_monitor.hpp).
   /// \param work  in units of search_cost
   void spend(double work);
-  /// Checks and counts the motion, unless it was verified before: then it counts nothing.
+  /// Checks and counts the motion, unless it was verified before: then it counts no check.
   /// \param a  valid; the caller has checked it
   /// \param known  the validity's report of this motion, where it was asked before; nullptr: asks it
   [[nodiscard]] MotionReport motion(View a, View b, const MotionReport* known = nullptr) {
-    if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
-    const double before = announced();
-    if (known != nullptr && before >= 0.0) validity->announce(a, b, *known);
-    const MotionReport report = known != nullptr ? *known : validity->motion(a, b);
-    if (validity->spends_checks()) {
-      checks.validity += report.checks;
-      ++checks.motion;
-      announce_rest(before, report.checks);
+    if (is_verified(a, b)) {
+      spend(search_cost::presumed);
+      return {true, 0, std::numeric_limits<double>::quiet_NaN()};
     }
-    return report;
+    if (!validity->spends_checks()) {
+      spend(search_cost::presumed);
+      return known != nullptr ? *known : validity->motion(a, b);
+    }
+    return check_motion([&] {
+      if (known == nullptr) return validity->motion(a, b);
+      validity->announce(a, b, *known);
+      return *known;
+    });
   }
   /// Checks whether a motion that was valid at an earlier epoch still is, and counts the checks.
   /// \param since  an epoch at which the motion was valid, if known: only later changes are considered
   [[nodiscard]] MotionReport recheck_motion(View a, View b, std::uint64_t since = 0) {
     // Epochs before the present projection say nothing of its validity.
-    const double before = announced();
+    const Announced before = open_checks();
     const MotionReport report = validity->motion_still_valid(a, b, since > revision ? since - revision : 0);
     if (validity->spends_checks() && report.checks > 0) {
-      checks.validity += report.checks;
-      ++checks.motion;
-      announce_rest(before, report.checks);
+      count_motion(before, report.checks);
+    } else {
+      close_checks(before);
+      spend(search_cost::presumed);
     }
     return report;
   }
@@ -315,24 +407,22 @@ class Instance {
   /// this space presumes validity.
   [[nodiscard]] std::shared_ptr<Validity> validity_in(const std::shared_ptr<const Scene>& other) const;
 
-  /// Returns the clearance at q in metres of the workspace (Validity::clearance). It counts as one validity check, and
-  /// its work as search_cost::clearance more.
+  /// Returns the clearance at q in metres of the workspace (Validity::clearance). It counts as one validity check, with
+  /// the work of a distance.
   [[nodiscard]] double clearance(View q) {
-    const double before = count_distance();
-    const double clearance = validity->clearance(q);
-    announce_rest(before, 1, search_cost::clearance);
-    return clearance;
+    return measure_distance([&] { return validity->clearance(q); });
   }
 
   /// Returns the nearest obstacle; counts as `clearance` does.
   /// \throws Error where no collision check decides validity
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) {
-    const double before = count_distance();
-    auto nearest = validity->nearest_obstacle(q);
-    announce_rest(before, 1, search_cost::clearance);
-    return nearest;
+    return measure_distance([&] { return validity->nearest_obstacle(q); });
   }
 
+  /// The work that is neither checks nor proposals, in validity checks of this instance.
+  [[nodiscard]] double other_in_checks() const {
+    return (checks.other + lift_work.total()) / std::max(1.0, validity->cost().alone);
+  }
   /// A counter that grows each time the valid set may have changed: through the validity, or through a new projection.
   [[nodiscard]] std::uint64_t epoch() const { return revision + validity->epoch(); }
 
@@ -342,24 +432,27 @@ class Instance {
   std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
 
  private:
-  // Checks that were counted and not announced, as that of a configuration beyond the limits of the space, are
-  // announced when they are counted (slice_monitor.hpp).
-  /// The number of checks that the monitor has received; negative without a monitor.
-  [[nodiscard]] static double announced();
-  /// \param before  announced() before these checks
-  /// \param other  work that is announced with a check
-  static void announce_rest(double before, std::uint32_t counted, double other = 0.0) {
-    if (before >= 0.0) announce_missing(before, counted, other);
+  void count(const Announced& before, std::uint64_t number, double work) {
+    if (before.monitored) settle(before, static_cast<double>(number), work);
+    checks.validity += number;
+    checks.work += work;
+    if (before.monitored) ask();
   }
-  static void announce_missing(double before, std::uint32_t counted, double other);
-  /// A distance from obstacles counts as a check, and its work as more.
-  /// \return announced() before, or -1 where it does not count
-  double count_distance() {
-    if (!validity->spends_checks()) return -1.0;
-    ++checks.validity;
-    checks.other += search_cost::clearance;
-    return announced();
+  [[nodiscard]] static Announced open_checks(const CheckCost& cost);
+  /// Checks of certificates are distances, for the most part cut short.
+  [[nodiscard]] CheckCost certificate_cost() const {
+    constexpr double share = 0.125;
+    CheckCost cost = validity->cost();
+    cost.on_motion = std::max(cost.on_motion, share * cost.distance);
+    return cost;
   }
+  /// Ends `open_checks` without checks that count.
+  static void close_checks(const Announced& before);
+  /// Makes what was announced since `open_checks` what is counted now.
+  static void settle(const Announced& before, double number, double work);
+  /// Asks whether the search may continue, if it has announced more than a slice.
+  /// \throws SearchEnded if not
+  static void ask();
 };
 
 /// Returns validity by collision checks and, with a motion model, by its limits and the bounds of its states.

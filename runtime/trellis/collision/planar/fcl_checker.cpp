@@ -275,6 +275,7 @@ class FclChecker final : public Checker {
   /// FCL's distances and nearest points have errors of about 1e-6 m.
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override { return exact().nearest_obstacle(q); }
 
+  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     robot_.place(q, frames_);

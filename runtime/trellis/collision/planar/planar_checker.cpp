@@ -332,6 +332,7 @@ class PlanarChecker final : public Checker {
     return best;
   }
 
+  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     pose_at(q);
     for (std::size_t first = 0; first < pieces_.size();) {

@@ -485,6 +485,7 @@ class SpatialFclChecker final : public Checker {
     return nearest;
   }
 
+  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     if (valid(q)) return std::nullopt;
@@ -1027,6 +1028,7 @@ class SpatialTeamChecker final : public Checker {
     return nearest;
   }
 
+  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     place(q);

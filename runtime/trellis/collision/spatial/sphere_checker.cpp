@@ -169,6 +169,7 @@ class SphereChecker final : public Checker {
     return found;
   }
 
+  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     if (batched_ && valid(q)) return std::nullopt;

@@ -78,7 +78,8 @@ const std::vector<ReportTerm>& report_terms() {
       {"first path", "checks until the first path, which the comparisons use"},
       {"improvement", "checks that an anytime planner, such as rrt_star, spends on shorter paths after its first"},
       {"set-up",
-       "work to set up the guides for one run alone, as the medial axis of the world, in checks: the median over the "
+       "work to set up the guides for one run alone, as the medial axis of the world, in units of 0.07 us: the median "
+       "over the "
        "runs. The column is there where it is more than a tenth of a run's work. The runs of a process share what "
        "depends on the world alone: the first one spends its time, and the median of the times does not show it. Work "
        "counts one part in `queries` of it: so many runs share it, by assumption. `trellis run --once` shares nothing"},

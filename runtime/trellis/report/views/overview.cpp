@@ -111,7 +111,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
   std::vector<Table::Column> columns = {text_column("strategy"), number_column({"solved"}),
                                         number_column({anytime ? "first path" : ""}, checks), text_column("", checks)};
   if (anytime) columns.push_back(number_column({"improvement"}, checks));
-  if (set_up) columns.push_back(number_column({"set-up,", "checks"}));
+  if (set_up) columns.push_back(number_column({"set-up,", "units"}));
   const std::string beside = "× " + section.baseline;
   if (compared) {
     columns.push_back(number_column({"checks [95 %]"}, beside));

@@ -612,7 +612,7 @@ std::string summary_table(const std::vector<StrategySummary>& rows, bool measure
   const bool set_up = std::any_of(rows.begin(), rows.end(),
                                   [](const StrategySummary& r) { return r.runs.set_up_share > least_set_up_share; });
   const std::string medians = "medians, all levels";
-  if (set_up) columns.insert(columns.begin() + 4, number_column({"set-up,", "checks"}, medians));
+  if (set_up) columns.insert(columns.begin() + 4, number_column({"set-up,", "units"}, medians));
   if (anytime) {
     columns[3] = number_column({"checks to", "first path"}, medians);
     columns.insert(columns.begin() + 4, number_column({"checks of", "improvement"}, medians));

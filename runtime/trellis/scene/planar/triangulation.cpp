@@ -177,13 +177,18 @@ class Input {
 
 }  // namespace
 
-Triangulation::Triangulation(const World& world, double size) : bounds_(world.bounds()), cell_(size) {
-  const Vec2 extent = bounds_.hi - bounds_.lo;
+double Triangulation::at_most(const Box2& bounds, double size) {
+  const Vec2 extent = bounds.hi - bounds.lo;
   // Each lattice point gives two triangles and represents an area of size^2 * sqrt(3) / 2.
-  if (!(size > 0.0) || 4.0 * extent.x * extent.y / (std::numbers::sqrt3 * size * size) > most_triangles) {
-    throw Error(fmt::format("triangles of {:g} m would be more than {:g} in a world of {:g} x {:g} m", size,
-                            most_triangles, extent.x, extent.y));
-  }
+  const double all = 4.0 * extent.x * extent.y / (std::numbers::sqrt3 * size * size);
+  if (size > 0.0 && all <= most_triangles) return all;
+  throw Error(fmt::format("triangles of {:g} m would be more than {:g} in a world of {:g} x {:g} m", size,
+                          most_triangles, extent.x, extent.y));
+}
+
+Triangulation::Triangulation(const World& world, double size) : bounds_(world.bounds()), cell_(size) {
+  static_cast<void>(at_most(bounds_, size));
+  const Vec2 extent = bounds_.hi - bounds_.lo;
   const Outlines obstacles(world, clear * size);
   const Input input(obstacles, bounds_, size);
   const auto all = constrained_delaunay(input.points, input.segments);

@@ -28,6 +28,9 @@ class Triangulation {
   ///     obstacles are four times, eight times and so on farther away than that. Circumscribed polygons replace discs
   /// \throws Error where that gives more than a million triangles.
   Triangulation(const World& world, double size);
+  /// Returns how many triangles are made at most, apart from those that the corners of obstacles add.
+  /// \throws Error as the constructor does
+  static double at_most(const Box2& bounds, double size);
 
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
   /// Square metres.
