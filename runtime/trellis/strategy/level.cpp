@@ -215,8 +215,10 @@ void complete_proposals(Search& search, bool driven) {
 
 }  // namespace
 
+void Level::complete_proposals() { trellis::complete_proposals(record_.search, instance_->motion_model != nullptr); }
+
 void Level::end_search() {
-  complete_proposals(record_.search, instance_->motion_model != nullptr);
+  complete_proposals();
   const auto solves = record_.solves;
   if (loop_) {
     // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
@@ -374,7 +376,7 @@ LevelRecord Level::take_record(bool lift, const Level* companion) {
 
 LevelRecord Level::record_so_far(bool lift, const Level* companion) {
   LevelRecord record = record_;
-  complete_proposals(record.search, instance_->motion_model != nullptr);
+  trellis::complete_proposals(record.search, instance_->motion_model != nullptr);
   if (loop_) {
     ++record.solves;
     if (!record.solution.solved()) record.solution = planner_->solution(Status::paused);

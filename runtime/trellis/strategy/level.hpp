@@ -480,7 +480,9 @@ class Level {
   void begin_root_solve();
   /// \return whether the solve ended
   bool step_root_solve();
-  /// Ends a solve that SearchEnded has left between two steps: the result of the last proposal is not known.
+  /// Completes the record of proposals whose results are not known: SearchEnded has left their step.
+  void complete_proposals();
+  /// Ends a solve that SearchEnded has left between two steps.
   void end_search();
   /// As `solve`, but within a slice. A search that the slice ends is unfinished; the next call continues it.
   Advance advance(double proposals, const Slice& slice);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/loop.hpp>
@@ -220,6 +221,11 @@ class SplitSearch final : public Planner {
     record_outcome(context_, outcome);
   }
 
+  void absorb_half(const Level& half) {
+    absorb(half.record().search, context_.search);
+    level_.note_absorbed(half.record().search.proposals.size());
+  }
+
   /// The path through the sub-goal; none if a half was not solved.
   std::optional<Solution> join(const Configuration& goal, const Budget& budget) {
     Solution whole;
@@ -244,9 +250,15 @@ class SplitSearch final : public Planner {
       allowed.proposals = std::min(allowed.proposals, static_cast<double>(settings_.effort));
       if (allowed.proposals <= 0.0 || allowed.checks <= 0.0 || allowed.seconds <= 0.0) return {};
       level.limit(allowed);
-      const Solution& found = level.solve();
-      absorb(level.record().search, context_.search);
-      level_.note_absorbed(level.record().search.proposals.size());
+      try {
+        level.solve();
+      } catch (const SearchEnded&) {
+        level.complete_proposals();
+        absorb_half(level);
+        throw;
+      }
+      absorb_half(level);
+      const Solution& found = level.solution();
       halves_.validity += level.instance().checks.validity;
       seconds_ += level.record().search.seconds;
       if (!found.solved()) return {};
