@@ -112,7 +112,7 @@ GuideKind aggregate_kind() {
                    },
                    "rrt_connect", [](const Options& o) { return aggregate_settings().read(o).resolves; },
                    std::move(claims)}
-      .set_up({.world = {300, 110}, .run = {100}}, {.world = {1300, 6000}, .run = {400}});
+      .set_up({.world = {300, 110}, .run = {100}}, {.world = {1300, 15000}, .run = {400}});
 }
 
 }  // namespace trellis

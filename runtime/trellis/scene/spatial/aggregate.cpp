@@ -33,6 +33,7 @@ constexpr int sides = 16;
 struct Cluster {
   std::vector<std::size_t> obstacles;
   std::vector<Solid> solids;
+  std::vector<Box3> boxes;  ///< of the solids
   std::vector<Vec3> points;
   Box3 box;
 };
@@ -111,10 +112,17 @@ bool mergeable(const Solid& solid) {
 }
 
 Cluster cluster_of(std::size_t obstacle, const Solid& solid) {
-  Cluster cluster{{obstacle}, {solid}, std::visit(Corners(), solid.shape), {}};
+  Cluster cluster{{obstacle}, {solid}, {}, std::visit(Corners(), solid.shape), {}};
   for (Vec3& p : cluster.points) p = solid.pose(p);
   cluster.box = bounds_of(cluster.points);
+  cluster.boxes = {cluster.box};
   return cluster;
+}
+
+Mesh hull_of(const Cluster& a, const Cluster& b) {
+  std::vector<Vec3> points = a.points;
+  points.insert(points.end(), b.points.begin(), b.points.end());
+  return Mesh::hull(points, "hull");
 }
 
 /// Merges two clusters; the result stores only the points of their common hull.
@@ -122,23 +130,34 @@ Cluster merged(const Cluster& a, const Cluster& b) {
   Cluster both = a;
   both.obstacles.insert(both.obstacles.end(), b.obstacles.begin(), b.obstacles.end());
   both.solids.insert(both.solids.end(), b.solids.begin(), b.solids.end());
-  both.points.insert(both.points.end(), b.points.begin(), b.points.end());
-  both.points = Mesh::hull(both.points, "hull").vertices();
+  both.boxes.insert(both.boxes.end(), b.boxes.begin(), b.boxes.end());
+  both.points = hull_of(a, b).vertices();
   both.box = bounds_of(both.points);
   return both;
 }
 
-/// How far the points of a triangle are from solids.
+/// The distance of a point from a box; 0 inside.
+double distance_to(const Box3& box, const Vec3& p) {
+  const auto beyond = [](double x, double lo, double hi) { return std::max({lo - x, 0.0, x - hi}); };
+  return norm({beyond(p.x, box.lo.x, box.hi.x), beyond(p.y, box.lo.y, box.hi.y), beyond(p.z, box.lo.z, box.hi.z)});
+}
+
+/// How far the points of a triangle are from the solids of two clusters.
 class TriangleError {
  public:
-  TriangleError(const std::vector<Solid>& solids, double most) : solids_(solids), most_(most) {}
+  TriangleError(const Cluster& a, const Cluster& b, double most) : clusters_{&a, &b}, most_(most) {}
 
   /// Returns the largest distance found; infinity where one exceeds the limit. Distances change by no more than one
   /// moves: so a triangle whose centre is near enough has no point beyond the limit, and only others are split.
   [[nodiscard]] double operator()(const Vec3& a, const Vec3& b, const Vec3& c) const {
     const Vec3 centre = (1.0 / 3.0) * (a + b + c);
     double distance = std::numeric_limits<double>::infinity();
-    for (const Solid& solid : solids_) distance = std::min(distance, distance_to(solid, centre));
+    for (const Cluster* cluster : clusters_) {
+      for (std::size_t i = 0; i < cluster->solids.size(); ++i) {
+        if (distance_to(cluster->boxes[i], centre) >= distance) continue;
+        distance = std::min(distance, trellis::distance_to(cluster->solids[i], centre));
+      }
+    }
     if (distance > most_) return std::numeric_limits<double>::infinity();
     const double reach = std::max({norm(a - centre), norm(b - centre), norm(c - centre)});
     if (distance + reach <= most_ || reach <= finest * most_) return distance;
@@ -153,7 +172,7 @@ class TriangleError {
  private:
   static constexpr double finest = 0.1;  ///< of the limit: the size of triangles that are not split
 
-  const std::vector<Solid>& solids_;
+  std::array<const Cluster*, 2> clusters_;
   double most_;
 };
 
@@ -167,15 +186,13 @@ bool near(const Box3& a, const Box3& b, double gap) {
 std::optional<double> error_of_both(const Cluster& a, const Cluster& b, double most) {
   if (!near(a.box, b.box, 2.0 * most)) return std::nullopt;
   if (!mergeable(a.solids.front()) || !mergeable(b.solids.front())) return std::nullopt;
-  Cluster both;
   std::optional<Mesh> hull;
   try {
-    both = merged(a, b);
-    hull = Mesh::hull(both.points, "hull");
+    hull = hull_of(a, b);
   } catch (const Error&) {
     return std::nullopt;  // surfaces in one plane
   }
-  const TriangleError error_of(both.solids, most);
+  const TriangleError error_of(a, b, most);
   double error = 0.0;
   const auto& v = hull->vertices();
   for (const auto& [i, j, k] : hull->triangles()) {
