@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/slice_monitor.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 namespace trellis {
 
@@ -224,11 +225,16 @@ std::optional<double> StepHeuristic::edge_factor(View a, View b) const {
     index_ = std::make_unique<NearestIndex>(space_);
     for (std::size_t i = 0; i < centres().size(); ++i) index_->add(centres()[i]);
   }
-  const auto at_a = index_->nearest(a);
-  const auto at_b = index_->nearest(b);
   const double reach = 4.0 * settings_.radius;
-  if (std::max(at_a.squared_distance, at_b.squared_distance) > reach * reach) return most;
-  const double along = bin_ * std::abs(static_cast<double>(at_a.id) - static_cast<double>(at_b.id));
+  // A roadmap asks about all edges of a new node, one after the other.
+  if (!std::equal(b.begin(), b.end(), last_.begin(), last_.end())) {
+    last_.assign(b.begin(), b.end());
+    at_last_ = index_->nearest(b);
+  }
+  if (at_last_.squared_distance > reach * reach) return most;
+  const auto at_a = index_->nearest(a);
+  if (at_a.squared_distance > reach * reach) return most;
+  const double along = bin_ * std::abs(static_cast<double>(at_a.id) - static_cast<double>(at_last_.id));
   return std::clamp(along / (space_.distance(a, b) + settings_.radius), 1.0, most);
 }
 

@@ -191,6 +191,8 @@ class StepHeuristic final : public PathFollower {
   std::size_t last_bin_ = 0;
   mutable Configurations centres_;               ///< centres of the bins, made when first needed
   mutable std::unique_ptr<NearestIndex> index_;  ///< index of the centres, made when first needed
+  mutable Configuration last_;                   ///< the end of an edge that was rated last, and
+  mutable NearestIndex::Neighbour at_last_;      ///< its nearest centre
   mutable std::array<Front, 2> fronts_;          ///< their kernels are made when first needed
   std::size_t side_ = 0;
   double progress_ = 0.0;
