@@ -42,7 +42,7 @@ CheckCost cost_of(const PlanarScene& scene) {
 }
 
 CheckCost cost_of(const SpatialScene& scene) {
-  constexpr CheckCost solid{.on_motion = 3.5, .alone = 4.0, .distance = 16.0, .motion = 10.0};
+  constexpr CheckCost solid{.on_motion = 3.0, .alone = 4.0, .distance = 16.0, .motion = 8.0};
   constexpr CheckCost mesh{.on_motion = 10.0, .alone = 10.0, .distance = 20.0, .motion = 8.0};
   const auto is_mesh = [](const Solid& of) { return std::holds_alternative<std::shared_ptr<const Mesh>>(of.shape); };
   const auto& solids = scene.robot.solids();

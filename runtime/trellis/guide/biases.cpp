@@ -7,6 +7,7 @@
 #include <trellis/guide/bias.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 namespace trellis {
 

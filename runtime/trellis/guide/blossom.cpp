@@ -18,6 +18,7 @@
 #include <trellis/guide/holonomic.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/instance/characteristic_length.hpp>
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/motion/motion_model.hpp>
 
 namespace trellis {
@@ -265,7 +266,7 @@ class BlossomHeuristic final : public Wrapping<Heuristic, Heuristic> {
     for (std::size_t i = 0; i < controls_; ++i) {
       model_->sample_control(stream, control_);
       const auto steps = static_cast<std::uint32_t>(1 + stream.below(query.longest));
-      parent_.spend(search_cost::node_rated + search_cost::integration * static_cast<double>(steps));
+      parent_.spend(search_cost::node_rated + model_->step_work() * static_cast<double>(steps));
       std::copy(query.from.begin(), query.from.end(), state_.begin());
       for (std::uint32_t k = 0; k < steps; ++k) model_->step(space, state_, control_, state_);
       if (!space.contains(state_) || !model_->admits(state_)) continue;

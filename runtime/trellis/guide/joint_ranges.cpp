@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/joint_ranges.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 #include <algorithm>
 #include <cmath>

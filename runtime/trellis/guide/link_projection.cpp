@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/guide/link_projection.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 #include <algorithm>
 #include <limits>

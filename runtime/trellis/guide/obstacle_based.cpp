@@ -5,6 +5,7 @@
 #include <trellis/guide/bias.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/rays.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 namespace trellis {
 

@@ -12,6 +12,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/principal_axes.hpp>
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/scene/planar/scene.hpp>

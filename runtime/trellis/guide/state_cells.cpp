@@ -15,6 +15,7 @@
 #include <trellis/guide/bias.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/instance/characteristic_length.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 namespace trellis {
 

@@ -138,7 +138,7 @@ std::uint32_t Instance::drive(View from, View control, std::uint32_t steps, Conf
   Configuration next(x.size());
   for (std::uint32_t k = 0; k < steps; ++k) {
     motion_model->step(space, x, control, next);
-    spend(search_cost::integration);
+    spend(motion_model->step_work());
     const MotionReport report = motion(x, next);
     if (!report.valid) {
       if (blocked != nullptr) {

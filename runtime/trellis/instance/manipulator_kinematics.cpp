@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include <trellis/base/slice_monitor.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 namespace trellis {
 

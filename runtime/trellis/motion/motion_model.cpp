@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/motion/small_state.hpp>
 
 namespace trellis {
 
@@ -38,11 +38,8 @@ void MotionModel::sample_control(Stream& stream, MutableView u) const {
 }
 
 void MotionModel::step(const Space& space, View x, View u, MutableView out) const {
-  constexpr std::size_t most = 8;
-  std::array<double, most> few{};
-  Configuration many;
-  if (dimension() > most) many.resize(dimension());
-  const MutableView rate = many.empty() ? MutableView(few.data(), dimension()) : MutableView(many);
+  SmallState own;
+  const MutableView rate = own.of(dimension());
   derivative(x, u, rate);
   for (std::size_t j = 0; j < dimension(); ++j) out[j] = x[j] + dt_ * rate[j];
   space.normalise(out);

@@ -146,4 +146,16 @@ std::optional<Trajectory> steer_at(const MotionModel& model, View from, View to,
   return trajectory;
 }
 
+double steering_work(const MotionModel& model) {
+  if (const TeamModel* team = team_model(model)) {
+    return std::accumulate(team->parts().begin(), team->parts().end(), 0.0,
+                           [](double sum, const TeamModel::Part& part) { return sum + steering_work(*part.model); });
+  }
+  const auto wheels = Wheels::of(model);
+  if (!wheels) return 0.5;
+  constexpr double dubins_work = 12.0;
+  constexpr double reeds_shepp_work = 50.0;
+  return wheels->speed.lo < 0.0 ? reeds_shepp_work : dubins_work;
+}
+
 }  // namespace trellis

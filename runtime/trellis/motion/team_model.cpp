@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/motion/small_state.hpp>
 
 namespace trellis {
 
@@ -78,27 +79,29 @@ TeamModel::TeamModel(const Models& models, const std::vector<std::vector<std::si
     Part part{models[i], axes[i], control};
     for (std::size_t k = 0; k < model.velocities().size(); ++k) part.columns.push_back(velocity++);
     control += model.controls().size();
+    step_work_ += model.step_work();
     parts_.push_back(std::move(part));
   }
 }
 
 void TeamModel::derivative(View x, View u, MutableView rate) const {
-  Configuration own, change;
+  SmallState own, change;
   for (const Part& part : parts_) {
-    own.clear();
-    for (const std::size_t column : part.columns) own.push_back(x[column]);
-    change.resize(own.size());
-    part.model->derivative(own, part.own(u), change);
-    for (std::size_t j = 0; j < change.size(); ++j) rate[part.columns[j]] = change[j];
+    const std::size_t n = part.columns.size();
+    const MutableView state = own.of(n);
+    const MutableView its_rate = change.of(n);
+    for (std::size_t j = 0; j < n; ++j) state[j] = x[part.columns[j]];
+    part.model->derivative(state, part.own(u), its_rate);
+    for (std::size_t j = 0; j < n; ++j) rate[part.columns[j]] = its_rate[j];
   }
 }
 
 bool TeamModel::admits(View x) const {
-  Configuration own;
+  SmallState own;
   return std::all_of(parts_.begin(), parts_.end(), [&](const Part& part) {
-    own.clear();
-    for (const std::size_t column : part.columns) own.push_back(x[column]);
-    return part.model->admits(own);
+    const MutableView state = own.of(part.columns.size());
+    for (std::size_t j = 0; j < state.size(); ++j) state[j] = x[part.columns[j]];
+    return part.model->admits(state);
   });
 }
 

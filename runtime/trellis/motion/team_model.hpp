@@ -32,12 +32,14 @@ class TeamModel final : public MotionModel {
             const std::vector<std::vector<std::size_t>>& axes);
 
   void derivative(View x, View u, MutableView rate) const override;
+  [[nodiscard]] double step_work() const override { return step_work_; }
   [[nodiscard]] bool admits(View x) const override;
 
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
 
  private:
   std::vector<Part> parts_;
+  double step_work_ = 0.0;
 };
 
 /// How far robots are along a motion found before, in seconds: it continues, or stands still while they wait, and never

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/evaluated_graph.hpp>
 
 #include <algorithm>

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/planner/nearest.hpp>
 

@@ -57,6 +57,7 @@ class KinodynamicRrt final : public StartTreePlanner {
         curves_(settings.curves),
         model_holder_(context_.instance.motion_model),
         model_(*model_holder_),
+        steering_work_(steering_work(model_)),
         most_steps_(steps_of(settings.longest, model_.dt())),
         state_(dimension()),
         control_(model_.controls().size()),
@@ -90,7 +91,7 @@ class KinodynamicRrt final : public StartTreePlanner {
     std::copy(from.begin(), from.end(), state_.begin());
     Configuration next(dimension());
     for (std::uint32_t k = 0; k < edge.steps; ++k) {
-      context_.instance.spend(search_cost::integration);
+      context_.instance.spend(model_.step_work());
       model_.step(context_.instance.space, state_, std::as_const(controls_)[edge.control], next);
       if (!motion_still_valid(context_, state_, next, repair_->since())) return false;
       std::swap(state_, next);
@@ -160,7 +161,7 @@ class KinodynamicRrt final : public StartTreePlanner {
     for (std::int64_t i = 0; i < settings_.controls; ++i) {
       model_.sample_control(context_.proposals, control_);
       const auto steps = static_cast<std::uint32_t>(1 + context_.proposals.below(most_steps_));
-      context_.instance.spend(search_cost::integration * static_cast<double>(steps));
+      context_.instance.spend(model_.step_work() * static_cast<double>(steps));
       std::copy(from.begin(), from.end(), state_.begin());
       for (std::uint32_t k = 0; k < steps; ++k) model_.step(space, state_, control_, state_);
       const double distance = space.squared_distance(state_, sample_);
@@ -241,6 +242,7 @@ class KinodynamicRrt final : public StartTreePlanner {
       return trajectory;
     }
     if (curves_) {
+      context_.instance.spend(steering_work_);
       auto curve = steer_at(model_, from, sample_, context_.proposals.uniform());
       if (curve && !curve->steps.empty()) return std::move(*curve);
     }
@@ -283,7 +285,9 @@ class KinodynamicRrt final : public StartTreePlanner {
       }
       return driven.arrived;
     };
+    context_.instance.spend(steering_work_);
     if (!arrives(steer(model_, from, goal)) && curves_) {
+      context_.instance.spend(steering_work_);
       arrives(steer_at(model_, from, goal, context_.proposals.uniform()));
     }
   }
@@ -307,6 +311,7 @@ class KinodynamicRrt final : public StartTreePlanner {
   bool curves_;                                      ///< a node is driven along curves, where the model has them
   std::shared_ptr<const MotionModel> model_holder_;  ///< outlives a replaced instance
   const MotionModel& model_;
+  double steering_work_;     ///< of a curve
   std::size_t most_steps_;   ///< longest duration of a control, in steps
   std::vector<Edge> edges_;  ///< of each node; unused for the root
   Configurations controls_;

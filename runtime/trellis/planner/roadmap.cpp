@@ -6,6 +6,7 @@
 
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/instance/instance.hpp>
+#include <trellis/instance/search_cost.hpp>
 
 namespace trellis {
 
@@ -248,7 +249,12 @@ bool LifelongSearch::search() {
   begin_search();
   if (vertices() < 2 || apart_) return false;
   for (;;) {
-    while (!meetings_.empty() && !counts(meetings_.top())) meetings_.pop();
+    while (!meetings_.empty() && !counts(meetings_.top())) {
+      // As much work as so many edges.
+      constexpr std::size_t as_edges = 6;
+      look_at(as_edges);
+      meetings_.pop();
+    }
     const std::array<const Entry*, 2> tops = {top(from_start), top(from_goal)};
     if (meetings_.empty()) {
       // A complete tree that can reach the other root would have met it.

@@ -8,6 +8,7 @@
 
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/tree.hpp>
 
 namespace trellis {
@@ -209,6 +210,7 @@ void RoadmapPlanner::repair() {
     connectivity_ = {};
     for (auto* rows : {&rows_, &jumps_, &presumed_edges_}) rows->clear();
     for (auto* known : {&nodes_, &edges_}) known->clear();
+    invalid_nodes_ = 0;
     for (auto* bytes : {&passes_, &reported_}) bytes->clear();
     joined_.clear();
     seeds_.clear();
@@ -329,7 +331,7 @@ void RoadmapPlanner::grow() {
   }
   if (one_search) {
     if (disconnected_) rebuild_connectivity();
-    context_.instance.spend(connection_work());
+    context_.instance.spend(connection_work(false));
     insert_found(target_, Known::valid);
   } else {
     insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
@@ -419,24 +421,28 @@ void RoadmapPlanner::enhance() {
 
 bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   if (disconnected_) rebuild_connectivity();
-  if (mode_.lazy_nodes && (context_.guided || presumed_)) {
+  const bool among_valid = mode_.lazy_nodes && (context_.guided || presumed_);
+  if (among_valid) {
     // Without a guide, invalid nodes count as neighbours, as in the published algorithm.
     connection_.find(index_, q, neighbours_, [&](std::uint32_t id) { return nodes_[id] != Known::invalid; });
   } else {
     connection_.find(index_, q, neighbours_);
   }
-  context_.instance.spend(connection_work());
+  context_.instance.spend(connection_work(among_valid));
   if (unless_there && is_neighbour()) return false;
   insert_found(q, known);
   return true;
 }
 
-double RoadmapPlanner::connection_work() const {
-  // A query of the nearest nodes compares groups of eight: a few in the plane, most of them in seven dimensions.
+double RoadmapPlanner::connection_work(bool among_valid) const {
+  // A query of the nearest nodes compares groups of eight: a few in the plane, most of them in seven dimensions; and as
+  // many more as invalid nodes are passed over.
   constexpr double of_group = 1.0 / 8.0;
-  const double groups = std::min(std::exp2(static_cast<double>(context_.instance.space.degrees())),
-                                 of_group * static_cast<double>(index_.size()));
-  return search_cost::node + search_cost::node_compared * groups;
+  const auto all = static_cast<double>(index_.size());
+  const double valid = among_valid ? std::max(1.0, all - static_cast<double>(invalid_nodes_)) : all;
+  const double few =
+      std::exp2(static_cast<double>(context_.instance.space.degrees())) * (valid > 0.0 ? all / valid : 1.0);
+  return search_cost::node + search_cost::node_compared * std::min(few, of_group * all);
 }
 
 bool RoadmapPlanner::is_neighbour() const {
@@ -533,6 +539,7 @@ std::size_t RoadmapPlanner::reconnect() {
   std::size_t added = 0;
   for (const std::uint32_t id : lost_neighbour_) {
     if (nodes_[id] == Known::invalid) continue;
+    context_.instance.spend(connection_work(true));
     connection_.find(index_, node(id), neighbours_,
                      [&](std::uint32_t other) { return other != id && nodes_[other] != Known::invalid; });
     for (const auto& neighbour : neighbours_) {
@@ -722,6 +729,7 @@ bool RoadmapPlanner::node_valid(std::uint32_t id) {
 
 void RoadmapPlanner::refute_node(std::uint32_t id) {
   nodes_[id] = Known::invalid;
+  ++invalid_nodes_;
   refuted_.push_back(id);
   disconnected_ = disconnected_ || presumed_;
   const View q = node(id);

@@ -107,7 +107,7 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   /// Whether a node among the neighbours found has the configuration that they were found for.
   [[nodiscard]] bool is_neighbour() const;
   /// Work of a search for the neighbours of a new node, and of connecting it.
-  [[nodiscard]] double connection_work() const;
+  [[nodiscard]] double connection_work(bool among_valid) const;
   /// Obtains the instance's evaluator of edges that are presumed valid.
   void begin_evaluation();
   /// Searches until the evaluator's event, or for the shortest path to the goal. Returns the vertex to whose path
@@ -199,6 +199,7 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   LifelongSearch paths_;
   std::vector<std::uint32_t> rows_;
   std::vector<Known> nodes_;
+  std::size_t invalid_nodes_ = 0;
   std::vector<Known> edges_;
   std::vector<std::uint32_t> jumps_;  ///< edges that connect further goals to the first
   std::vector<NearestIndex::Neighbour> neighbours_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/anytime.hpp>
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>

@@ -20,6 +20,7 @@
 #include <trellis/base/helper_threads.hpp>
 #include <trellis/base/lua_time.hpp>
 #include <trellis/base/slice_monitor.hpp>
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/scene/set_up_cache.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/companion.hpp>

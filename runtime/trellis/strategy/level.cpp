@@ -10,6 +10,7 @@
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/set_up.hpp>
+#include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>

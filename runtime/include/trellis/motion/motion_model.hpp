@@ -45,6 +45,8 @@ class MotionModel {
   /// \param x,  rate  `dimension` numbers, as those of all states below; another size is undefined behaviour
   /// \param u  a number for each control, as all controls below
   virtual void derivative(View x, View u, MutableView rate) const = 0;
+  /// Returns the work of a step: CPU time in units of 0.07 us, as costs count it.
+  [[nodiscard]] virtual double step_work() const { return 0.5; }
   /// Whether a state satisfies those limits of the model that are not bounds of single axes.
   [[nodiscard]] virtual bool admits(View x) const {
     static_cast<void>(x);
