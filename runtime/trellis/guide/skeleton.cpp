@@ -655,6 +655,7 @@ class DynamicRegions final : public Heuristic {
     const auto squared_distance = [&](View at) { return reached.squared_distance(at); };
     spawn_near(squared_distance);
     advance([&](View centre) { return squared_distance(centre) <= reach_ * reach_; });
+    before_ = connected_;
   }
 
   Source sample(Stream& stream, MutableView out) override {
@@ -721,6 +722,9 @@ class DynamicRegions final : public Heuristic {
   }
 
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
+  /// 0 if f does not contract: lengths in S then do not bound those in C.
+  [[nodiscard]] double progress() const override { return projection_->contracts() ? connected_ - before_ : 0.0; }
+  [[nodiscard]] double connected() const override { return projection_->contracts() ? connected_ : 0.0; }
 
  private:
   struct Region {
@@ -846,7 +850,12 @@ class DynamicRegions final : public Heuristic {
       const std::size_t before = regions_[i].point;
       while (!arrived && inside(centre(regions_[i]))) {
         regions_[i].idle = 0;
-        if (++regions_[i].point == graph_->edges[regions_[i].edge.edge].points.size()) arrived = true;
+        const View passed = centre(regions_[i]);
+        if (++regions_[i].point == graph_->edges[regions_[i].edge.edge].points.size()) {
+          arrived = true;
+        } else if (on_path_[regions_[i].edge.edge] != 0) {
+          connected_ += projection_->space().distance(passed, centre(regions_[i]));
+        }
       }
       if (regions_[i].point != before) ++epoch_;
       if (!arrived) {
@@ -875,6 +884,8 @@ class DynamicRegions final : public Heuristic {
   std::vector<char> spawned_;
   std::vector<std::uint32_t> unvisited_;  ///< vertices that get a region when a node is near
   std::size_t drawn_ = 0;
+  double connected_ = 0.0;  ///< length of the path found that regions have travelled, metres in S's metric
+  double before_ = 0.0;     ///< part of it that the planner reached before this search of the graph
   std::uint64_t epoch_ = 0;
   Configurations lifted_;
   Configuration position_;
