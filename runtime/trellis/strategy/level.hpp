@@ -280,7 +280,7 @@ class LevelGuidance final : public Guidance {
   /// search in favour of unguided proposals though that search advances.
   [[nodiscard]] double deducted() const {
     const double half = deduction_rate * progress_checks();
-    if (guide_ == nullptr || common_.bound == 0.0) return half;
+    if (guide_ == nullptr) return half;
     return std::max(half, std::min(earned(), spent().guided.work() + guide_->work()));
   }
   /// Work of one kind of proposals.
