@@ -200,12 +200,14 @@ class Exploration {
     }
   }
 
-  /// Adds the root of a tree.
+  /// Adds the root of a tree, and removes all nodes that were known.
   void plant(View start) {
+    forget_rows();
+    for (Region& r : regions_) r.reached = {};
     const auto region = decomposition_->find(start);
     if (!region) return;
-    regions_[*region].nodes.push_back({0, 0.0});
-    regions_[*region].reached = true;
+    regions_[*region].nodes.push_back({root, 0.0});
+    regions_[*region].reached[0] = true;
     cover(*region, regions_[*region].covered, start);
   }
 
@@ -220,7 +222,7 @@ class Exploration {
     Region& to = regions_[*region];
     to.valid += 1.0;
     if (!outcome.connected) return false;
-    to.reached = true;
+    to.reached[outcome.from_goal ? 1 : 0] = true;
     // A lead starts at the start, so nodes of the tree from the goal are not expanded.
     if (outcome.added_row != no_node && !outcome.from_goal) to.nodes.push_back({outcome.added_row, 0.0});
     bool improved = cover(*region, to.covered, outcome.added);
@@ -251,13 +253,21 @@ class Exploration {
     }
   }
 
-  [[nodiscard]] bool reached(std::uint32_t region) const { return regions_[region].reached; }
+  /// Whether the tree of that side has a node in the cell.
+  [[nodiscard]] bool reached(std::uint32_t region, TreeSide side) const {
+    return regions_[region].reached[static_cast<std::size_t>(side)];
+  }
 
   /// The weight of a cell of the lead in the selection: high for large free volume, low coverage and few
   /// selections.
   [[nodiscard]] double weight(std::uint32_t region) const {
     const Region& r = regions_[region];
     return fourth(free_volume(r)) / ((1.0 + r.covered) * (1.0 + r.selections * r.selections));
+  }
+  /// The same where a guide has chosen the lead, without the sizes of cells, which would outweigh the order along it.
+  [[nodiscard]] double guided_weight(std::uint32_t region) const {
+    const Region& r = regions_[region];
+    return valid_share(r) / (1.0 + r.selections * r.selections);
   }
 
   /// An edge of the graph of cells, and what was counted for it.
@@ -316,12 +326,13 @@ class Exploration {
     regions_[region].selections += 1.0;
     if (node) regions_[region].nodes[*node].selections += 1.0;
   }
-  /// Removes all nodes: their rows belong to another tree.
+  /// Removes all nodes but the root: their rows belong to another tree.
   void forget_rows() {
-    for (Region& r : regions_) r.nodes.clear();
+    for (Region& r : regions_) std::erase_if(r.nodes, [](const Node& node) { return node.row != root; });
   }
 
  private:
+  static constexpr std::uint32_t root = 0;  ///< row of the start
   struct Node {
     std::uint32_t row;
     double selections;
@@ -330,9 +341,9 @@ class Exploration {
     double volume = 1.0;  ///< relative to the mean cell
     double valid = 0.0;   ///< number of configurations found valid
     double invalid = 0.0;
-    double covered = 0.0;     ///< number of cells of the grid with a node
-    double selections = 0.0;  ///< number of selections of its nodes
-    bool reached = false;     ///< it contains a node
+    double covered = 0.0;           ///< number of cells of the grid with a node
+    double selections = 0.0;        ///< number of selections of its nodes
+    std::array<bool, 2> reached{};  ///< for each tree, whether the cell contains a node
     std::vector<Node> nodes;
   };
   struct Connection {
@@ -397,19 +408,23 @@ class LeadHeuristic final : public Heuristic {
         guided_(guided),
         position_(decomposition_->dimension()) {
     if (guided_) settings_.explore = settings_.abandon = 0.0;
-    // From the end of the lead: the last cell that the tree has reached, then each further one with this
-    // probability.
-    constexpr double keep_adding = 0.5;
-    available_.assign(lead_.size(), 0);
-    for (std::size_t i = lead_.size(); i-- > 0;) {
-      if (!exploration_->reached(lead_[i])) continue;
-      available_[i] = 1;
+    // From the end of the lead: the last cell that the tree has reached, then each further one with a probability.
+    for (auto& available : available_) available.assign(lead_.size(), 0);
+    for (const TreeSide side : {TreeSide::start, TreeSide::goal}) {
+      for (std::size_t i = 0; i < lead_.size(); ++i) {
+        if (!exploration_->reached(lead_[i], side)) continue;
+        advance(i, side);
+        if (guided_) available_[tree_of(side)][i] = 1;
+      }
+    }
+    for (std::size_t i = lead_.size(); !guided_ && i-- > 0;) {
+      if (!exploration_->reached(lead_[i], TreeSide::start) && !exploration_->reached(lead_[i], TreeSide::goal))
+        continue;
+      available_[0][i] = 1;
       if (stream.uniform() >= keep_adding) break;
     }
-    if (std::count(available_.begin(), available_.end(), 1) == 0) available_[0] = 1;
-    for (std::size_t i = 0; i < lead_.size(); ++i) {
-      if (available_[i] != 0) connected_ = of_guide_->at[i];
-    }
+    if (std::count(available_[0].begin(), available_[0].end(), 1) == 0) available_[0].front() = 1;
+    if (std::count(available_[1].begin(), available_[1].end(), 1) == 0) available_[1].back() = 1;
     weigh();
   }
 
@@ -419,8 +434,8 @@ class LeadHeuristic final : public Heuristic {
     std::uint32_t drawn = 0;
     if (on_lead_) {
       region_ = pick_region(stream);
-      const std::size_t last = std::min(lead_.size() - 1, region_ + static_cast<std::size_t>(settings_.ahead));
-      drawn = lead_[region_ + stream.below(last - region_ + 1)];
+      const auto [first, last] = from_cell(region_, tree());
+      drawn = lead_[first + stream.below(last - first + 1)];
       node_ = exploration_->pick_node(lead_[region_], stream);
       luck_ = stream.uniform();
     } else {
@@ -432,7 +447,11 @@ class LeadHeuristic final : public Heuristic {
     return 0;
   }
 
-  void select_tree(TreeSide side) override { side_ = side; }
+  void select_tree(TreeSide side) override {
+    const std::size_t before = tree();
+    side_ = side;
+    if (tree() != before) weigh();
+  }
   [[nodiscard]] std::uint32_t vertex() const override {
     return node_ && side_ == TreeSide::start ? exploration_->row(lead_[region_], *node_) : no_node;
   }
@@ -463,7 +482,9 @@ class LeadHeuristic final : public Heuristic {
     if (!outcome.added.empty() && outcome.connected) {
       if (const auto cell = decomposition_->find(outcome.added)) {
         const auto place = std::find(lead_.begin(), lead_.end(), *cell);
-        if (place != lead_.end()) reach(static_cast<std::size_t>(place - lead_.begin()));
+        if (place != lead_.end()) {
+          reach(static_cast<std::size_t>(place - lead_.begin()), outcome.from_goal ? TreeSide::goal : TreeSide::start);
+        }
       }
     }
     if (expanded) {
@@ -481,27 +502,50 @@ class LeadHeuristic final : public Heuristic {
   [[nodiscard]] double connected() const override { return decomposition_->projection.contracts() ? connected_ : 0.0; }
 
  private:
-  /// Notes that a connected node lies in the i-th cell of the lead.
-  void reach(std::size_t i) {
-    available_[i] = 1;
-    const double advance = std::max(0.0, of_guide_->at[i] - connected_);
-    progress_ += advance;
-    if (advance > 0.0 && guided_) expansions_ = 0;
-    connected_ += advance;
+  /// The tree whose cells are available for a side: a guided lead is followed from both ends, any other from the start.
+  [[nodiscard]] std::size_t tree_of(TreeSide side) const { return guided_ ? static_cast<std::size_t>(side) : 0; }
+  [[nodiscard]] std::size_t tree() const { return tree_of(side_); }
+  /// The cells that proposals are drawn from where the i-th cell of the lead is selected: from the first to the last.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> from_cell(std::size_t i, std::size_t tree) const {
+    const auto ahead = static_cast<std::size_t>(settings_.ahead);
+    if (tree == 1) return {i - std::min(i, ahead), i};
+    return {i, std::min(lead_.size() - 1, i + ahead)};
+  }
+  /// Extends the part of the lead that the trees have connected to the i-th cell. Returns by how much.
+  double advance(std::size_t i, TreeSide side) {
+    const double length = of_guide_->at.back();
+    double& to = fronts_[static_cast<std::size_t>(side)];
+    to = std::max(to, side == TreeSide::start ? of_guide_->at[i] : length - of_guide_->at[i]);
+    const double before = std::exchange(connected_, std::min(length, fronts_[0] + fronts_[1]));
+    return connected_ - before;
+  }
+  /// Notes that a connected node of a tree lies in the i-th cell of the lead.
+  void reach(std::size_t i, TreeSide side) {
+    available_[tree_of(side)][i] = 1;
+    const double length = advance(i, side);
+    progress_ += length;
+    if (length > 0.0 && guided_) expansions_ = 0;
   }
   /// Computes for each cell of the lead the weight of its selection and the mass of proposals in it.
   void weigh() {
-    weights_.assign(lead_.size(), 0.0);
-    masses_.assign(lead_.size(), 0.0);
+    const std::size_t n = lead_.size();
+    const std::vector<char>& available = available_[tree()];
+    weights_.assign(n, 0.0);
+    masses_.assign(n, 0.0);
     double total = 0.0;
-    for (std::size_t i = 0; i < lead_.size(); ++i) {
-      if (available_[i] != 0) total += weights_[i] = exploration_->weight(lead_[i]);
+    double share = 1.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      // From the farthest cell back to the tree's root.
+      const std::size_t i = tree() == 0 ? n - 1 - k : k;
+      if (available[i] == 0) continue;
+      total += weights_[i] = guided_ ? share * exploration_->guided_weight(lead_[i]) : exploration_->weight(lead_[i]);
+      share *= guided_keeps_adding;
     }
-    for (std::size_t i = 0; i < lead_.size(); ++i) {
-      if (available_[i] == 0) continue;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (available[i] == 0) continue;
       weights_[i] /= total;
-      const std::size_t last = std::min(lead_.size() - 1, i + static_cast<std::size_t>(settings_.ahead));
-      for (std::size_t k = i; k <= last; ++k) masses_[k] += weights_[i] / static_cast<double>(last - i + 1);
+      const auto [first, last] = from_cell(i, tree());
+      for (std::size_t k = first; k <= last; ++k) masses_[k] += weights_[i] / static_cast<double>(last - first + 1);
     }
     ++epoch_;
   }
@@ -510,7 +554,7 @@ class LeadHeuristic final : public Heuristic {
     double u = stream.uniform();
     std::size_t picked = 0;
     for (std::size_t i = 0; i < lead_.size(); ++i) {
-      if (available_[i] == 0) continue;
+      if (available_[tree()][i] == 0) continue;
       picked = i;
       u -= weights_[i];
       if (u < 0.0) break;
@@ -524,6 +568,12 @@ class LeadHeuristic final : public Heuristic {
     return static_cast<std::uint32_t>(cell - volumes.begin());
   }
 
+  /// The probability with which one more of the cells that the tree has reached is available, from the last one back.
+  static constexpr double keep_adding = 0.5;
+  /// The same for the weights of cells where a guide has chosen the lead: all are available. With 0.5 a search needs a
+  /// tenth more checks.
+  static constexpr double guided_keeps_adding = 0.25;
+
   std::shared_ptr<const Decomposition> decomposition_;
   DecompositionSettings settings_;
   std::shared_ptr<Exploration> exploration_;
@@ -535,11 +585,13 @@ class LeadHeuristic final : public Heuristic {
   std::uint64_t& next_luck_;  ///< seed of the next lead's random stream
   std::uint64_t parent_epoch_;
   bool guided_;
-  std::vector<char> available_;  ///< for each cell of the lead: the planner may expand its nodes
+  /// For each tree and each cell of the lead: the planner may expand its nodes.
+  std::array<std::vector<char>, 2> available_;
   std::vector<double> weights_;
   std::vector<double> masses_;
-  double progress_ = 0.0;   ///< along the lead, metres in S's metric
-  double connected_ = 0.0;  ///< arc length of the farthest cell of the lead with a connected node
+  double progress_ = 0.0;           ///< along the lead, metres in S's metric
+  std::array<double, 2> fronts_{};  ///< for each tree, the length of the lead from its root to its farthest cell
+  double connected_ = 0.0;          ///< length of the lead that both have connected
   std::int64_t expansions_ = 0;
   std::uint64_t epoch_ = 0;
   TreeSide side_ = TreeSide::start;
@@ -590,7 +642,8 @@ class DecompositionGuide final : public Guide, public Repairs {
     decomposition_ = std::make_shared<const Decomposition>(std::move(cells), std::move(projection), scale);
     constexpr double along = 4.0;  // cells of the coverage grid along a cell's side
     exploration_ = std::make_shared<Exploration>(decomposition_, side / along);
-    exploration_->plant(parent.start);
+    start_ = parent.start;
+    exploration_->plant(start_);
     densities_ = std::make_shared<CellDensities>(decomposition_);
 
     make_graph(*instance);
@@ -644,6 +697,8 @@ class DecompositionGuide final : public Guide, public Repairs {
     return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, lead_,
                                            std::move(lifted), stream, luck_, guided_);
   }
+
+  void restart() override { exploration_->plant(start_); }
 
   void avoid(View place) override {
     // As many configurations as make other guides refute a place.
@@ -759,6 +814,7 @@ class DecompositionGuide final : public Guide, public Repairs {
   std::vector<Exploration::Crossing> crossings_;  ///< for each edge
   std::shared_ptr<CellDensities> densities_;
   std::shared_ptr<Exploration> exploration_;
+  Configuration start_;         ///< of C
   std::shared_ptr<Lead> lead_;  ///< of the last h; none before, and where that is uniform
   GoalChoice goal_choice_;      ///< where leads end in C
   bool guided_ = false;         ///< a guide guides the search for leads
