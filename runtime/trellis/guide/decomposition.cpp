@@ -456,6 +456,13 @@ class LeadHeuristic final : public Heuristic {
     return node_ && side_ == TreeSide::start ? exploration_->row(lead_[region_], *node_) : no_node;
   }
 
+  /// Where validity is presumed, a motion to the goal is valid wherever it begins: the end of the lead comes first.
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    if (parent_.validity->spends_checks()) return true;
+    const double reach = 2.0 * step_length(parent_);
+    return of_guide_->at.back() - connected_ <= reach || parent_.space.squared_distance(from, to) <= reach * reach;
+  }
+
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (!decomposition_->projection.closed_form()) {

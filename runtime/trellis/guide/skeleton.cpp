@@ -19,6 +19,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/position.hpp>
 #include <trellis/guide/position_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/skeleton.hpp>
@@ -642,6 +643,8 @@ class DynamicRegions final : public Heuristic {
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
         ball_(projection_->space(), radius),
+        step_(step_length(parent)),
+        presumed_(!parent.validity->spends_checks()),
         // A disc of radius r is inside the region by the share p of its diameter if d <= R + r - 2 p r.
         reach_(std::max(0.0, ball_.radius() + robot * (1.0 - 2.0 * settings.penetration))),
         spawned_(graph_->vertices.size(), 0),
@@ -650,6 +653,7 @@ class DynamicRegions final : public Heuristic {
     for (std::uint32_t v = 0; v < directed_.out.size(); ++v) {
       if (!directed_.out[v].empty()) unvisited_.push_back(v);
     }
+    for (std::size_t i = 1; i < path.size(); ++i) length_ += projection_->space().distance(path[i - 1], path[i]);
     spawn(graph_->start);
     // Regions skip the parts that the planner reached before this search of the graph.
     const auto squared_distance = [&](View at) { return reached.squared_distance(at); };
@@ -725,6 +729,11 @@ class DynamicRegions final : public Heuristic {
   /// 0 if f does not contract: lengths in S then do not bound those in C.
   [[nodiscard]] double progress() const override { return projection_->contracts() ? connected_ - before_ : 0.0; }
   [[nodiscard]] double connected() const override { return projection_->contracts() ? connected_ : 0.0; }
+  /// Where validity is presumed, a motion to the goal is valid wherever it begins: the end of the path comes first.
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    const double reach = 2.0 * step_;
+    return !presumed_ || length_ - connected_ <= reach || parent_.squared_distance(from, to) <= reach * reach;
+  }
 
  private:
   struct Region {
@@ -879,12 +888,15 @@ class DynamicRegions final : public Heuristic {
   SkeletonSettings settings_;
   double uniform_density_;
   BallKernel ball_;
-  double reach_;  ///< distance of a node from a region's centre at which the region advances, metres
+  double step_;    ///< longest extension of the planner, metres in the metric
+  bool presumed_;  ///< the planner's space presumes validity
+  double reach_;   ///< distance of a node from a region's centre at which the region advances, metres
   std::vector<Region> regions_;
   std::vector<char> spawned_;
   std::vector<std::uint32_t> unvisited_;  ///< vertices that get a region when a node is near
   std::size_t drawn_ = 0;
   double connected_ = 0.0;  ///< length of the path found that regions have travelled, metres in S's metric
+  double length_ = 0.0;     ///< of the path found, metres in S's metric
   double before_ = 0.0;     ///< part of it that the planner reached before this search of the graph
   std::uint64_t epoch_ = 0;
   Configurations lifted_;

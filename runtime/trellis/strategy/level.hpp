@@ -199,6 +199,8 @@ class LevelGuidance final : public Guidance {
   }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     const Guidance* h = drawn_from();
+    // Where validity is presumed, the guide alone knows which motions are worth it, whichever part drew the proposal.
+    if (h == nullptr && open_ && !instance_.validity->spends_checks()) h = guide_.get();
     return h == nullptr || h->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override {
