@@ -331,8 +331,10 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   auto instance = reduced(parent);
   relaxed_ = nullptr;
   if (relaxes() && instance->validity->spends_checks() && !parent.motion_model) {
-    relaxed_ = std::make_shared<RelaxedValidity>(
-        instance->validity, parent.validity->spends_checks() ? parent.validity : checking(parent.validity));
+    // Where C presumes validity, by collision checks in its world.
+    std::shared_ptr<Validity> c = parent.validity->spends_checks() ? parent.validity : parent.validity->checking();
+    if (c == nullptr) c = parent.validity_in(parent.scene);
+    relaxed_ = std::make_shared<RelaxedValidity>(instance->validity, std::move(c));
     instance->validity = relaxed_;
     instance->shared_resolution = parent.resolution;
   }
