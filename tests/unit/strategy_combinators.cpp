@@ -152,9 +152,10 @@ TEST_CASE("each guide of a schedule serves until it is refuted, and none comes b
         unbounded({{"proposals", std::int64_t{3000}}});
     const auto run = execute(strategy, problem, 1);
     CHECK(order(run.levels[0]) == "012");
-    // Each refutation causes a solve, except the last one, after which the next guide had its turn.
-    CHECK(run.levels[1].solves == static_cast<std::uint64_t>(rounds));
-    CHECK(run.levels[2].solves == static_cast<std::uint64_t>(rounds));
+    // Each refutation causes a solve, except the last one, after which the next guide had its turn. The second solve
+    // finds no path beside the slit, which the first refutation excluded, so it is the last one.
+    CHECK(run.levels[1].solves == static_cast<std::uint64_t>(std::min<std::int64_t>(rounds, 2)));
+    CHECK(run.levels[2].solves == static_cast<std::uint64_t>(std::min<std::int64_t>(rounds, 2)));
   }
 }
 

@@ -68,6 +68,7 @@ PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurati
       static_cast<std::size_t>(std::clamp(std::ceil(length / tube_.radius()), 1.0, static_cast<double>(most_bins)));
   bin_ = length / static_cast<double>(bins);
   covered_.assign(bins, 0);
+  blocked_in_bin_.assign(bins, 0);
   Configuration centre(space.dimension());
   for (std::size_t i = 0; i < bins; ++i) {
     tube_.point((static_cast<double>(i) + 0.5) * bin_, centre);
@@ -89,11 +90,31 @@ Guidance::Source PathHeuristic::sample(Stream& stream, MutableView out) {
 void PathHeuristic::observe(const Outcome& outcome, bool mine) {
   if (!outcome.added.empty() && outcome.connected && cover(outcome.added)) {
     blocked_ = 0;
+    blocked_in_bin_.assign(covered_.size(), 0);
     choose_stretches();
   } else if (mine && uncovered_ > 0 && outcome.fate == Fate::rejected && !outcome.blocked_at.empty()) {
     // A path that the planner reached completely is not refuted: it may still be useful.
-    if (++blocked_ >= evidence_) refute();
+    count_blocked(outcome.blocked_at);
+    if (++blocked_ < evidence_) return;
+    const auto most = std::max_element(blocked_in_bin_.begin(), blocked_in_bin_.end());
+    const View place = std::as_const(centres_)[static_cast<std::size_t>(most - blocked_in_bin_.begin())];
+    refuted_place_.emplace(place.begin(), place.end());
+    refute();
   }
+}
+
+void PathHeuristic::count_blocked(View blocked_at) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < covered_.size(); ++i) {
+    if (covered_[i] != 0) continue;
+    const double squared = space_.squared_distance(std::as_const(centres_)[i], blocked_at);
+    if (squared < least) {
+      least = squared;
+      nearest = i;
+    }
+  }
+  ++blocked_in_bin_[nearest];
 }
 
 bool PathHeuristic::cover(View q) {

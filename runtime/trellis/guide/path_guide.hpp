@@ -163,18 +163,23 @@ class PathHeuristic final : public PathFollower {
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
   [[nodiscard]] double progress() const override { return progress_; }
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return refuted_place_; }
 
  private:
   void choose_stretches();
   /// Marks the bins of the path that q covers. Returns whether it marked a new one.
   bool cover(View q);
+  /// Counts a blocked proposal at the nearest bin that is not covered.
+  void count_blocked(View blocked_at);
 
   std::string source_;
   Space space_;
   TubeKernel tube_;
   double window_;
   std::int64_t evidence_;
-  std::int64_t blocked_ = 0;  ///< guided proposals blocked since the last progress
+  std::int64_t blocked_ = 0;                  ///< guided proposals blocked since the last progress
+  std::vector<std::int64_t> blocked_in_bin_;  ///< of them, the number for each bin
+  std::optional<Configuration> refuted_place_;
   double progress_ = 0.0;
   std::uint64_t epoch_ = 0;    ///< number of changes of the intervals
   double bin_ = 0.0;           ///< arc length of one bin
