@@ -145,8 +145,7 @@ void PositionGuide::found_invalid(View q) {
 }
 
 void PositionGuide::avoid(View place) {
-  // A planner that ignores the graph would find the same path again.
-  if (graph_->edges.empty() || (point_ != nullptr && !point_->graph)) return;
+  if (!can_exclude()) return;
   Configuration s(projection_->space().dimension());
   projection_->project(place, s);
   const std::optional<bool> on_path = exclude_near(s);

@@ -70,6 +70,11 @@ class PositionGuide : public Guide, public Repairs {
   /// Increases the cost of the edges near a position that other evidence refuted.
   /// \return whether the path found leads through there; none if nothing was changed
   virtual std::optional<bool> exclude_near(View s) = 0;
+  /// Whether S can exclude places: its search uses the costs of the graph. A planner that ignores them would find the
+  /// same path again.
+  [[nodiscard]] virtual bool can_exclude() const {
+    return !graph_->edges.empty() && (point_ == nullptr || point_->graph != nullptr);
+  }
   /// Whether the path found leads through an excluded place. If so, there is no other path.
   [[nodiscard]] virtual bool path_is_excluded() const = 0;
 
@@ -88,10 +93,14 @@ class PositionGuide : public Guide, public Repairs {
   [[nodiscard]] const Configurations& excluded() const { return excluded_; }
   /// Radius of a place that another guide's evidence refuted, metres.
   [[nodiscard]] double place_radius() const { return place_radius_; }
-
- private:
+  /// The point at which evidence refuted the path that h follows.
+  [[nodiscard]] std::optional<Configuration> refuted_place() const {
+    return follower_ != nullptr ? follower_->refuted_place() : std::nullopt;
+  }
+  /// Notes that S excludes a position from now on.
   void add_excluded(View s);
 
+ private:
   std::string name_;
   std::int64_t evidence_;      ///< as the option says
   std::int64_t patience_ = 0;  ///< the same for the robot

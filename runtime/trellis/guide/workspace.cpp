@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/excluded.hpp>
 #include <trellis/guide/handles.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
@@ -205,6 +206,17 @@ class Workspace final : public PositionGuide {
                                              LiftedHeuristic::Points::atoms);
   }
 
+  /// A planner that ignores the graph finds other paths where places are invalid.
+  void attach(Instance& sub) override {
+    PositionGuide::attach(sub);
+    if (sub.graph) return;
+    auto excluding =
+        std::make_shared<ExcludingValidity>(sub.validity, sub.space, place_radius(), sub.position_axes, place_radius());
+    if (excluding_) excluding->replace(*excluding_);
+    excluding_ = std::move(excluding);
+    sub.validity = excluding_;
+  }
+
   /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
   void before_resolve() override {
     if (follows_steps()) {
@@ -213,6 +225,11 @@ class Workspace final : public PositionGuide {
     }
     // A path through a place that is excluded already costs more there.
     if (path_is_excluded()) return;
+    if (excluding_) {
+      const auto place = refuted_place();
+      if (place && exclude(*place)) add_excluded(*place);
+      return;
+    }
     NearestIndex stuck(projection()->space());
     for (std::size_t i = 0; i < path().size(); ++i) {
       if (reached().squared_distance(path()[i]) > radius_ * radius_) stuck.add(path()[i]);
@@ -245,7 +262,19 @@ class Workspace final : public PositionGuide {
     return false;
   }
 
+  [[nodiscard]] bool can_exclude() const override { return excluding_ != nullptr || PositionGuide::can_exclude(); }
+  /// Excludes a place from S unless it contains the start or a goal. Returns whether it did.
+  bool exclude(View s) {
+    std::vector<Configuration> keep = point().goals;
+    keep.push_back(point().start);
+    return excluding_->exclude_place(s, keep);
+  }
+
   void refute(View s, double within) {
+    if (excluding_) {
+      exclude(s);
+      return;
+    }
     NearestIndex place(projection()->space());
     place.add(s);
     multiply_near(place, within, refuted_penalty);
@@ -276,6 +305,7 @@ class Workspace final : public PositionGuide {
   std::shared_ptr<const HandleLift> handles_;  ///< set if the option requests handles
   double cell_ = 0.0;
   double radius_ = 0.0;
+  std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, if its planner ignores the graph
 };
 
 }  // namespace
