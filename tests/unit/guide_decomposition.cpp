@@ -273,3 +273,92 @@ TEST_CASE("a decomposition whose search is guided keeps to the lead of its guide
   lead.solve();
   CHECK_FALSE(same(lead.h->lifted_path(), path));
 }
+
+TEST_CASE("a lead that a guide chose is followed from both ends", "[guide][decomposition]") {
+  const auto problem = test::cup_problem();
+  Lead lead(problem, {});
+  lead.sub->guided = true;
+  lead.guide->attach(*lead.sub);
+  lead.solve();
+  const Configurations path = lead.h->lifted_path();
+  const auto add = [&](std::size_t i, bool from_goal) {
+    Outcome outcome;
+    outcome.fate = Fate::reached;
+    outcome.proposal = outcome.added = path[i];
+    outcome.near = from_goal ? View(problem.goals.front()) : View(problem.start);
+    outcome.from_goal = from_goal;
+    outcome.added_row = 1;
+    lead.h->observe(outcome, false);
+  };
+  // The least distance of proposals from a position.
+  Stream stream(5, "", "two trees");
+  const auto nearest_to = [&](View at, TreeSide side) {
+    lead.h->select_tree(side);
+    Configuration q(3);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 200; ++i) {
+      lead.h->sample(stream, q);
+      least = std::min(least, std::hypot(q[0] - at[0], q[1] - at[1]));
+    }
+    return least;
+  };
+  add(path.size() - 2, true);
+  // A node at the goal is no progress of the tree from the start, whose proposals remain at the start.
+  CHECK(lead.h->connected() < 0.25 * path_length(lead.parent->space, path));
+  CHECK(nearest_to(problem.start, TreeSide::start) < 1.0);
+  CHECK(nearest_to(problem.goals.front(), TreeSide::start) > 2.0);
+  CHECK(nearest_to(problem.goals.front(), TreeSide::goal) < 1.0);
+  CHECK(nearest_to(problem.start, TreeSide::goal) > 2.0);
+  // The tree's front has most of the proposals.
+  add(path.size() / 2, false);
+  CHECK(nearest_to(path[path.size() / 2], TreeSide::start) < 1.0);
+  // Nodes that a repair removed are reached no longer.
+  lead.guide->restart();
+  lead.h = lead.guide->heuristic(*lead.parent, lead.sub.get(), &lead.found);
+  CHECK(lead.h->connected() == 0.0);
+  CHECK(nearest_to(path[path.size() / 2], TreeSide::start) > 1.0);
+}
+
+namespace {
+
+/// Presumes that all is valid.
+class Presumed final : public Validity {
+ public:
+  [[nodiscard]] bool state(View) override { return true; }
+  [[nodiscard]] MotionReport motion(View, View) override { return {true, 0, std::numeric_limits<double>::quiet_NaN()}; }
+  [[nodiscard]] double clearance(View) override { return std::numeric_limits<double>::infinity(); }
+  [[nodiscard]] bool spends_checks() const override { return false; }
+};
+
+}  // namespace
+
+TEST_CASE("where validity is presumed, a lead connects trees near its end alone", "[guide][decomposition]") {
+  const auto problem = test::cup_problem();
+  for (const bool presumed : {false, true}) {
+    CAPTURE(presumed);
+    Lead lead(problem, {});
+    if (presumed) lead.parent->validity = std::make_shared<Presumed>();
+    lead.solve();
+    CHECK(lead.h->worth_connecting(problem.start, problem.goals.front()) != presumed);
+    const Configurations path = lead.h->lifted_path();
+    Outcome outcome;
+    outcome.fate = Fate::reached;
+    outcome.proposal = outcome.added = path[path.size() - 2];
+    outcome.near = problem.start;
+    outcome.added_row = 1;
+    lead.h->observe(outcome, false);
+    CHECK(lead.h->worth_connecting(problem.start, problem.goals.front()));
+  }
+}
+
+TEST_CASE("a relaxed space checks collisions where the space above presumes validity", "[guide]") {
+  auto parent = make_instance(test::cup_problem());
+  const std::shared_ptr<Validity> checked = parent->validity;
+  parent->validity = std::make_shared<Presumed>();
+  const GuideKind& kind = *find_guide("shrink");
+  const auto guide = kind.make(Options::validate(*kind.component, {}));
+  const auto sub = guide->project(*parent);
+  sub->validity->expect_guided(true);
+  REQUIRE_FALSE(checked->motion(parent->start, parent->goal()).valid);
+  CHECK_FALSE(sub->validity->motion(parent->start, parent->goal()).valid);
+}

@@ -348,6 +348,70 @@ TEST_CASE("regions keep to the path of a search that a guide guides", "[guide][s
   }
 }
 
+TEST_CASE("regions that travel along the path found are progress", "[guide][skeleton]") {
+  const auto problem = test::simple_passage_problem();
+  auto w = solve_guide("skeleton", {{"follow", std::string("regions")}}, problem);
+  const double length = path_length(w.sub->space, w.found.path);
+  const double before = w.h->progress();
+  CHECK(before == 0.0);
+  double last = before;
+  for (std::size_t i = 0; i < w.found.path.size(); ++i) {
+    const Configuration q = {w.found.path[i][0], w.found.path[i][1], 0.0};
+    tell(w, q, false);
+    CHECK(w.h->progress() >= last);
+    last = w.h->progress();
+  }
+  CHECK(last > 0.7 * length);
+  CHECK(last <= 1.001 * length);
+  // What nodes reached before is connected, and no progress of the next h.
+  w.h = w.guide->heuristic(*w.parent, w.sub.get(), &w.found);
+  CHECK(w.h->progress() == 0.0);
+  CHECK(w.h->connected() > 0.7 * length);
+}
+
+TEST_CASE("a refuted tube names the point of the path at which it was blocked", "[guide][paths]") {
+  const auto problem = test::simple_passage_problem();
+  const auto parent = make_instance(problem);
+  Configurations path(3);
+  path.push(problem.start);
+  path.push(problem.goals.front());
+  PathHeuristic h("tube", parent->space, path, 0.2, 1.0, 5, nullptr);
+  Configuration blocked(3);
+  parent->space.interpolate(problem.start, problem.goals.front(), 0.1, blocked);
+  Outcome outcome;
+  outcome.proposal = problem.goals.front();
+  outcome.near = problem.start;
+  outcome.blocked_at = blocked;
+  for (int i = 0; i < 5; ++i) {
+    CHECK_FALSE(h.refuted_place());
+    h.observe(outcome, true);
+  }
+  CHECK(h.stale());
+  REQUIRE(h.refuted_place());
+  CHECK(parent->space.distance(*h.refuted_place(), blocked) < 0.2);
+}
+
+TEST_CASE("a workspace that a tree searches excludes the places that were refuted", "[guide][workspace]") {
+  const auto problem = test::simple_passage_problem();
+  const auto parent = make_instance(problem);
+  const GuideKind& kind = *find_guide("workspace");
+  for (const bool tree : {false, true}) {
+    CAPTURE(tree);
+    const auto guide = kind.make(Options::validate(*kind.component, {}));
+    const auto sub = guide->project(*parent);
+    if (tree) sub->graph = nullptr;
+    guide->attach(*sub);
+    Configuration place(3);
+    parent->space.interpolate(problem.start, problem.goals.front(), 0.2, place);
+    const View position(place.data(), 2);
+    REQUIRE(sub->validity->state(position));
+    guide->repairs().avoid(place);
+    CHECK(sub->validity->state(position) != tree);
+    // The guide of the search is notified of it.
+    CHECK(guide->repairs().take_lost_places().size() == 1);
+  }
+}
+
 TEST_CASE("regions begin at every vertex that a node comes near", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
   const double robot = problem.scene->bounding_radius();
