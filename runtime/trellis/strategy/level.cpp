@@ -113,6 +113,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.search = Search(instance_->space.dimension());
   if (!run_.densities) record_.search.density.disable();
   guidance_.limit_slice([this] { return work_limit_ - work(); });
+  if (parent != nullptr) guidance_.expect_relaxed();
   run.levels.push_back(this);
 }
 

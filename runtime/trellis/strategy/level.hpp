@@ -199,8 +199,9 @@ class LevelGuidance final : public Guidance {
   }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
     const Guidance* h = drawn_from();
-    // Where validity is presumed, the guide alone knows which motions are worth it, whichever part drew the proposal.
-    if (h == nullptr && open_ && !instance_.validity->spends_checks()) h = guide_.get();
+    // Below the root more motions are valid than in C, and where validity is presumed all are: the guide alone knows
+    // which ones are worth it, whichever part drew the proposal.
+    if (h == nullptr && open_ && relaxed_) h = guide_.get();
     return h == nullptr || h->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override {
@@ -265,6 +266,8 @@ class LevelGuidance final : public Guidance {
     return all;
   }
 
+  /// The space is one below the root.
+  void expect_relaxed() { relaxed_ = true; }
   /// A companion bounds the work of the levels below.
   void rely_on_companion() { has_companion_ = true; }
   /// Work of guided proposals and of the levels below, per work of unguided proposals.
@@ -410,6 +413,7 @@ class LevelGuidance final : public Guidance {
   bool open_ = false;        ///< whether the guide may draw
   bool prepared_ = false;    ///< `prepare` was called for the next proposal
   bool has_companion_ = false;
+  bool relaxed_ = false;   ///< of a level below the root
   bool has_path_ = false;  ///< the planner has found a path
   Part drawn_ = Part::goal;
   std::uint64_t epoch_ = 0;  ///< number of changes of the shares
