@@ -348,6 +348,37 @@ TEST_CASE("regions keep to the path of a search that a guide guides", "[guide][s
   }
 }
 
+TEST_CASE("a waypoint farther than a step is reached in several extensions", "[guide][waypoints]") {
+  const auto problem = test::simple_passage_problem();
+  const auto parent = make_instance(problem);
+  Configurations path(3);
+  path.push(problem.start);
+  Configuration q(3);
+  parent->space.interpolate(problem.start, problem.goals.front(), 0.2, q);
+  path.push(q);
+  path.push(problem.goals.front());
+  ReachedIndex reached(parent->space, parent->start);
+  WaypointHeuristic h("waypoints", *parent, path, 0.01, 60, reached);
+  Stream stream(6, "0", "waypoints");
+  for (std::uint32_t row = 1; row <= 3; ++row) {
+    h.sample(stream, q);
+    REQUIRE(std::equal(q.begin(), q.end(), path[1].begin()));
+    Configuration added(3);
+    parent->space.interpolate(problem.start, path[1], 0.25 * row, added);
+    Outcome outcome;
+    outcome.fate = Fate::advanced;
+    outcome.proposal = path[1];
+    outcome.near = problem.start;
+    outcome.added = added;
+    outcome.added_row = row;
+    h.observe(outcome, true);
+    // The next extension starts at the node that this one added.
+    h.sample(stream, q);
+    CHECK(h.vertex() == row);
+    CHECK(h.waypoint() == 1);
+  }
+}
+
 TEST_CASE("regions that travel along the path found are progress", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
   auto w = solve_guide("skeleton", {{"follow", std::string("regions")}}, problem);

@@ -212,8 +212,10 @@ void WaypointHeuristic::record(DensityRecord& record, double share) const {
 
 void WaypointHeuristic::observe(const Outcome& outcome, bool mine) {
   const std::size_t before = at_;
-  // For a verified path, the next extension starts at the node added between waypoints.
-  if (exact_ && mine && drew_itself_ && !outcome.added.empty()) (backwards_ ? back_row_ : row_) = outcome.added_row;
+  // The next extension starts at the node added between waypoints, which may be farther apart than a step.
+  if (mine && drew_itself_ && !outcome.added.empty() && (exact_ || !outcome.from_goal)) {
+    (backwards_ ? back_row_ : row_) = outcome.added_row;
+  }
   if (exact_ && outcome.from_goal && !outcome.added.empty()) {
     if (back_ > 0 && parent_.space.distance(tube_.path()[back_ - 1], outcome.added) <= parent_.goal_tolerance) {
       --back_;
