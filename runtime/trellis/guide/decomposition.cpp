@@ -202,8 +202,10 @@ class Exploration {
 
   /// Adds the root of a tree, and removes all nodes that were known.
   void plant(View start) {
-    forget_rows();
-    for (Region& r : regions_) r.reached = {};
+    for (Region& r : regions_) {
+      r.nodes.clear();
+      r.reached = {};
+    }
     const auto region = decomposition_->find(start);
     if (!region) return;
     regions_[*region].nodes.push_back({root, 0.0});
@@ -542,8 +544,8 @@ class LeadHeuristic final : public Heuristic {
     double total = 0.0;
     double share = 1.0;
     for (std::size_t k = 0; k < n; ++k) {
-      // From the farthest cell back to the tree's root.
-      const std::size_t i = tree() == 0 ? n - 1 - k : k;
+      // Of a guided lead, from the farthest cell back to the tree's root.
+      const std::size_t i = guided_ && tree() == 0 ? n - 1 - k : k;
       if (available[i] == 0) continue;
       total += weights_[i] = guided_ ? share * exploration_->guided_weight(lead_[i]) : exploration_->weight(lead_[i]);
       share *= guided_keeps_adding;
