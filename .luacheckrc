@@ -10,7 +10,7 @@ stds.trellis = {
     "lazy", "drop", "aggregate", "holonomic", "blossom", "decomposition", "experience", "path_database",
     "learned", "team", "decouple", "prioritise", "couple",
     "tube", "near_optimal", "progress",
-    "knn", "exact", "arc", "kde", "histogram", "legacy",
+    "knn", "exact", "arc",
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
     "world", "robots", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach",
     "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",

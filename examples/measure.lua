@@ -52,7 +52,7 @@ return experiment {
   },
   seeds      = 3,
   measure    = targets.passage,                   -- or targets.tube, targets.near_optimal, targets.progress
-  estimators = { exact(), knn {}, histogram {} }, -- the first that has a value gives the headline
+  estimators = { exact(), knn {} }, -- the first that has a value gives the headline
   cross      = 2,                                 -- score each run on the targets of two other seeds as well
   baseline   = "rrt",                             -- the reference of the comparisons
   ablate     = { "nested" },                      -- adds this strategy without each of its guides

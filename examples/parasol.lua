@@ -13,7 +13,7 @@ return experiment {
   strategies = methods,
   seeds      = 15,
   measure    = tube { delta = 0.5, points = 2048, pool = 8192 },
-  estimators = { exact(), knn(), kde(), histogram(), legacy() },
+  estimators = { exact(), knn() },
   baseline   = "rrt",
   published  = paper.published(),
 }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -46,15 +45,6 @@ std::vector<std::string> notes_on(const Space& space, const Configurations& samp
                                 axis.name, lo, hi, turns, axis.lo, axis.hi));
   }
   return notes;
-}
-
-/// The plain grid is not regularised: reports its single value as D.
-template <class E>
-E as_it_is(E estimate) {
-  if (!estimate.estimator.starts_with("legacy")) return estimate;
-  estimate.value = estimate.gain = std::numeric_limits<double>::quiet_NaN();
-  estimate.parts = {};
-  return estimate;
 }
 
 // Document
@@ -200,7 +190,7 @@ Measurement measure_samples(const Case& c, Configurations samples, const std::ve
 
 std::string measurement_json(const Case& c, const Measurement& m) {
   const Efficiency& e = m.headline;
-  Json json = Json::parse(measured_set(as_it_is(e)));
+  Json json = Json::parse(measured_set(e));
   json["estimator"] = e.estimator;
   json["blank"] = blank_of(e).empty() ? Json(nullptr) : Json(blank_of(e));
   json.erase("others");
@@ -214,7 +204,7 @@ std::string measurement_json(const Case& c, const Measurement& m) {
     Json& all = json["estimators"] = Json::object();
     for (const Measurement::Answer& answer : m.answers) {
       Json& one = all[answer.estimator];
-      one = Json::parse(estimate_line(as_it_is(answer.estimate.value_or(Estimate{})), e));
+      one = Json::parse(estimate_line(answer.estimate.value_or(Estimate{}), e));
       if (!answer.estimate) one["reason"] = answer.reason;
     }
   }
@@ -223,7 +213,7 @@ std::string measurement_json(const Case& c, const Measurement& m) {
 
 std::string measurement_table(const Case& c, const Measurement& m) {
   const Efficiency& e = m.headline;
-  const Estimate figures = as_it_is(e);
+  const Estimate& figures = e;
   std::string text =
       fmt::format("{}: {} samples {}, {} of them in the target\n", c.samples, e.samples, c.space.name(), e.in_target);
   text += fmt::format("target: {} within {:g} m of the path of {} ({:.3g} m long), {}\n",
@@ -247,7 +237,6 @@ std::string measurement_table(const Case& c, const Measurement& m) {
     const bool first = of.name() == "D_eps" || of.name() == "gain";
     text += row(name, value, (first ? described(of) : of.meaning) + more);
   };
-  const auto uniform = [](double value) { return fmt::format("; uniform ones: {}", figure_text(value)); };
   if (printed) {
     add("D_eps", interval_text(e.value_lo, e.value_hi));
     add("gain", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo));
@@ -271,33 +260,27 @@ std::string measurement_table(const Case& c, const Measurement& m) {
   }
   add("D_uniform", figure_text(e.uniform));
   add("D_perfect", figure_text(e.perfect));
-  if (!blank) {
-    add("D_eps0.01", figure_text(figures.light_value));
-    add("D", figure_text(figures.unregularised));
-  }
+  if (!blank) add("D", figure_text(figures.unregularised));
   add("D_mass", figure_text(e.mass),
       fmt::format("; 95 % interval: {} to {}{}", figure_text(e.mass_lo), figure_text(e.mass_hi),
                   e.repeated > 0 ? "; repeated samples count" : ""));
   add("D_mass_lower95", figure_text(e.mass_lower95));
   add("along.D", figure_text(e.along.divergence));
   add("along.empty_share", figure_text(e.along.empty_share));
-  add("coverage", figure_text(e.coverage), uniform(e.uniform_coverage));
-  add("coverage_half", figure_text(e.coverage_half), uniform(e.uniform_coverage_half));
-  if (!blank) add("JS", figure_text(figures.js));
+  add("coverage", figure_text(e.coverage));
   text += profile(e.along);
   if (!m.answers.empty()) {
-    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "estimator", "D_eps", "mass",
-                        "spread", "D_eps0.01", "D", "gain", "JS");
+    text +=
+        fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "estimator", "D_eps", "mass", "spread", "D", "gain");
     for (const Measurement::Answer& answer : m.answers) {
       if (!answer.estimate) {
         text += fmt::format("  {:<10} none: {}\n", answer.estimator, answer.reason);
         continue;
       }
-      const Estimate estimate = as_it_is(*answer.estimate);
-      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", answer.estimator,
-                          figure_text(estimate.value), figure_text(estimate.parts.mass),
-                          figure_text(estimate.parts.spread), figure_text(estimate.light_value),
-                          figure_text(estimate.unregularised), figure_text(estimate.gain), figure_text(estimate.js));
+      const Estimate& estimate = *answer.estimate;
+      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9}\n", answer.estimator, figure_text(estimate.value),
+                          figure_text(estimate.parts.mass), figure_text(estimate.parts.spread),
+                          figure_text(estimate.unregularised), figure_text(estimate.gain));
     }
   }
   if (!e.flags.empty()) text += '\n';

@@ -666,7 +666,7 @@ TEST_CASE("a folder gets the tables, the document, the page and the figures", "[
   place.script(
       "pair.lua",
       "return experiment { problems = { scenes.cup(), scenes.trap() }, seeds = 2, measure = tube { points = 256, "
-      "pool = 1024 }, estimators = { knn(), legacy() }, strategies = { guided = skeleton() >> rrt { step = 0.5 }, "
+      "pool = 1024 }, estimators = { knn(), exact() }, strategies = { guided = skeleton() >> rrt { step = 0.5 }, "
       "rrt = rrt { step = 0.5 } }, published = published { source = 'A. Author', figures = { cup = { rrt = {8.5, 5.2}, "
       "guided = {5.8, 18.2} } } } }");
   const auto outcome = place.run({"run", "pair.lua", "--quiet", "--out", "here"});

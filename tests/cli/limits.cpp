@@ -134,8 +134,6 @@ end
        "kinodynamic_rrt: option 'controls' is 9223372036854775807 controls for each proposal; expected at most 1e+06"},
       {"return measured(near_optimal { epsilon = 1e-9 })", "near_optimal: option 'epsilon' is 1e-09"},
       {"return measured(tube { delta = 5e-324 })", "tube: option 'delta' is 4.94066e-324 m"},
-      {"return experiment { problems = plain, strategies = { rrt {} }, estimators = { histogram { bin = 1e-12 } } }",
-       "histogram: option 'bin' is 1e-12 m"},
       {"return rrt {}, weighted(1e6)",
        "problem 'problem': option 'weight' is 1e+06 m/rad, so that a turn is 6.28e+06 m long, more than 1e+06 times "
        "the resolution of 0.05 m; expected at most 7.96e+03"},

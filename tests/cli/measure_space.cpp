@@ -63,19 +63,16 @@ TEST_CASE("samples of a body in space have a bound as their headline, and the re
   }
 }
 
-TEST_CASE("targets and estimators that a space does not have are named before the run") {
+TEST_CASE("a target that a space does not have is named before the run") {
   const Place place;
-  place.script("slot.lua",
-               script("measure = near_optimal { epsilon = 0.2 }, estimators = { arc(), kde(), histogram() }"));
+  place.script("slot.lua", script("measure = near_optimal { epsilon = 0.2 }, estimators = arc()"));
   for (const char* verb : {"check", "run"}) {
     const auto outcome = place.run({verb, "slot.lua"});
     INFO(verb << "\n" << outcome.err);
     CHECK(outcome.status == 0);
     CHECK_THAT(
         outcome.err,
-        Contains("experiment on problem 'slot': near_optimal has no target in SE(3): from 5 degrees of freedom on") &&
-            Contains("kde needs a space of independent axes, and SE(3) has rotations: use exact, arc or knn") &&
-            Contains("histogram needs a space of independent axes") && !Contains("arc needs"));
+        Contains("experiment on problem 'slot': near_optimal has no target in SE(3): from 5 degrees of freedom on"));
   }
 }
 

@@ -260,7 +260,7 @@ class Recorders(Folder):
         self.assertEqual(found.document, json.loads(program("measure", "case.json", "--json", "-", folder=self.folder)))
         table = program("measure", "case.json", folder=self.folder)
         self.assertEqual(str(found).splitlines()[4:], table.splitlines()[4:])
-        for estimator in ("kde", "all"):
+        for estimator in ("knn", "all"):
             with self.subTest(estimator):
                 options = ("--estimator", estimator, "--json", "-")
                 printed = json.loads(program("measure", "case.json", *options, folder=self.folder))

@@ -86,10 +86,9 @@ TEST_CASE("every target and estimator is a constructor, and its text is what a s
   CHECK(value("tostring(near_optimal { nodes = 500, delta = 0.3 })") == "near_optimal { nodes = 500, delta = 0.3 }");
   CHECK(value("tostring(progress { step = 0.25, delta = 0.05 })") == "progress { step = 0.25 }");
   CHECK(value("tostring(knn(5))") == "knn { k = 5 }");
-  CHECK(value("tostring(kde { bandwidth = 0.3 })") == "kde { bandwidth = 0.3 }");
-  CHECK(value("tostring(histogram(0.25))") == "histogram { bin = 0.25 }");
+  CHECK(value("tostring(arc { dimension = 3 })") == "arc { dimension = 3 }");
   CHECK(value("knn { k = 5 } == knn(5)") == "true");
-  CHECK(value("knn {} == kde {}") == "false");
+  CHECK(value("knn {} == arc {}") == "false");
 }
 
 TEST_CASE("targets and estimators refuse what they cannot take") {
@@ -104,9 +103,6 @@ TEST_CASE("targets and estimators refuse what they cannot take") {
       {"progress { step = 0 }", "progress: option 'step' must be a number greater than 0"},
       {"knn { k = 0 }", "knn: option 'k' must be an integer"},
       {"knn { kk = 3 }", "knn: unknown option 'kk'; its options are: k, k_all, blend, boundary"},
-      {"kde { bandwidth = 'wide' }", "kde: option 'bandwidth' must be a number"},
-      {"kde { rule = 'scot' }", "(did you mean 'scott'?)"},
-      {"histogram { bin = 0 }", "histogram: option 'bin' must be a number greater than 0"},
       {"exact { k = 3 }", "exact: unknown option 'k'; it has no options"},
       {"target {}", "target: field 'sample' is missing: a function"},
       {"target { sample = print }", "target: field 'log_density' is missing: a function"},
@@ -132,22 +128,21 @@ TEST_CASE("an experiment says what is measured, by what and beside what") {
   CHECK_FALSE(measure_of(plain).metrics);
 
   const auto all =
-      load(experiment("measure = near_optimal { epsilon = 0.25, delta = 0.3 }, estimators = { knn { k = 5 }, kde() }, "
+      load(experiment("measure = near_optimal { epsilon = 0.25, delta = 0.3 }, estimators = { knn { k = 5 }, arc() }, "
                       "cross = 3, cross_levels = true, "
                       "metrics = true, baseline = 'rrt'"));
   CHECK(std::get<NearOptimalSettings>(measure_of(all).target).epsilon == 0.25);
   CHECK(std::get<NearOptimalSettings>(measure_of(all).target).delta == 0.3);
   REQUIRE(measure_of(all).estimators.size() == 2);
   CHECK(measure_of(all).estimators[0] == EstimatorSpec::make("knn", {{"k", std::int64_t{5}}}));
-  CHECK(measure_of(all).estimators[1].name() == "kde");
+  CHECK(measure_of(all).estimators[1].name() == "arc");
   CHECK(measure_of(all).cross == 3);
   CHECK(measure_of(all).cross_levels);
   CHECK(measure_of(all).metrics);
   CHECK(all.experiment.baseline == "rrt");
 
   CHECK(std::get<ProgressSettings>(measure_of(load(experiment("measure = progress(0.25)"))).target).step == 0.25);
-  CHECK(measure_of(load(experiment("estimators = legacy {}"))).estimators ==
-        std::vector{EstimatorSpec::make("legacy")});
+  CHECK(measure_of(load(experiment("estimators = arc {}"))).estimators == std::vector{EstimatorSpec::make("arc")});
   CHECK(measure_of(load(experiment("cross = 0"))).cross == 0);
   CHECK_FALSE(load(experiment("measure = false")).experiment.measure);
 }
@@ -166,7 +161,7 @@ TEST_CASE("an experiment refuses what makes no measure") {
        "element 2 of field 'estimators' must be an estimator, as knn {}, got the "
        "target 'tube {}'"},
       {"estimators = { knn }", "got the constructor 'knn' (call it: knn())"},
-      {"estimators = { knn {}, kde {}, knn { k = 3 } }", "field 'estimators' holds knn twice"},
+      {"estimators = { knn {}, arc {}, knn { k = 3 } }", "field 'estimators' holds knn twice"},
       {"cross = -1", "option 'cross' must be an integer at least 0 (paths), got -1"},
       {"cross = 1.5", "option 'cross' must be an integer"},
       {"metrics = 1", "option 'metrics' must be true or false, got 1"},
@@ -265,8 +260,6 @@ TEST_CASE("a user's target that is the tube's gives the tube's figures") {
   CHECK(a.gain == Approx(b.gain).margin(0.05));
   CHECK(a.mass == Approx(b.mass));
   CHECK(a.coverage == Approx(b.coverage).margin(0.02));
-  CHECK(a.uniform_coverage == Approx(b.uniform_coverage).margin(0.02));
-  CHECK(a.js == Approx(b.js).margin(0.02));
 }
 
 TEST_CASE("a user's target scores an experiment, the same each time, after its session is gone", "[slow]") {
@@ -394,8 +387,8 @@ TEST_CASE("an error in a user's density names the sample and its level") {
 
 TEST_CASE("help describes targets, estimators and the construct of a user's target") {
   const std::string all = dsl::vocabulary_text();
-  for (const char* word : {"targets:", "estimators:", "tube", "near_optimal", "progress", "knn", "exact", "kde",
-                           "histogram", "legacy", "target", "ablations"}) {
+  for (const char* word :
+       {"targets:", "estimators:", "tube", "near_optimal", "progress", "knn", "exact", "arc", "target", "ablations"}) {
     INFO(word);
     CHECK(all.find(word) != std::string::npos);
   }

@@ -123,14 +123,14 @@ class Bytes {
 
  private:
   void add(const Estimate& e) {
-    for (const double x : {e.value, e.light_value, e.unregularised, e.gain, e.js}) bits_.push_back(bits(x));
+    for (const double x : {e.value, e.unregularised, e.gain}) bits_.push_back(bits(x));
     texts_.push_back(e.estimator);
   }
   void add(const Efficiency& e) {
     add(static_cast<const Estimate&>(e));
     for (const Estimate& other : e.others) add(other);
-    for (const double x : {e.uniform, e.mass, e.mass_lower95, e.coverage, e.uniform_coverage, e.coverage_half,
-                           e.uniform_coverage_half, e.free_share, e.along.divergence, e.along.empty_share}) {
+    for (const double x :
+         {e.uniform, e.mass, e.mass_lower95, e.coverage, e.free_share, e.along.divergence, e.along.empty_share}) {
       bits_.push_back(bits(x));
     }
     for (const double x : e.along.target) bits_.push_back(bits(x));

@@ -30,8 +30,8 @@ d <- ncol(samples)
 for (k in as.integer(arguments[-(1:4)])) {
   r <- knnx.dist(samples, points, k = k)[, k]
   log_q <- digamma(k) - digamma(n + 1) - (d / 2 * log(pi) - lgamma(d / 2 + 1)) - d * log(r)
-  mixed <- function(eps) log((1 - eps) * exp(log_q) + eps * exp(log_u))
-  cat(sprintf("%.17g", log_t - c(mean(log_q), mean(mixed(0.05)), mean(mixed(0.01)))), "\n")
+  mixed <- log(0.95 * exp(log_q) + 0.05 * exp(log_u))
+  cat(sprintf("%.17g", log_t - c(mean(log_q), mean(mixed))), "\n")
 }
 )R";
 
@@ -90,14 +90,13 @@ TEST_CASE("Plain nearest neighbours agree with R's FNN") {
     REQUIRE(succeeds(command + " > '" + folder.file("out") + "'"));
     std::ifstream out(folder.file("out"));
     for (const auto k : ks) {
-      std::array<double, 3> theirs{};
+      std::array<double, 2> theirs{};
       for (double& figure : theirs) REQUIRE(out >> figure);
       const auto plain = EstimatorSpec::make("knn", {{"k", k}, {"k_all", k}, {"blend", false}, {"boundary", false}});
       const Efficiency ours = efficiency(target, samples, {.estimators = {plain}});
       INFO("d = " << d << ", k = " << k);
       CHECK(ours.unregularised == Approx(theirs[0]).epsilon(0).margin(1e-9));
       CHECK(ours.value == Approx(theirs[1]).epsilon(0).margin(1e-9));
-      CHECK(ours.light_value == Approx(theirs[2]).epsilon(0).margin(1e-9));
     }
   }
 }

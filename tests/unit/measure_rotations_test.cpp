@@ -367,17 +367,6 @@ TEST_CASE("estimates in spaces with rotations are near the truth", "[measure][ch
   }
 }
 
-TEST_CASE("estimators that work along axes say which ones know rotations", "[measure]") {
-  const Space space = Space::so3();
-  const Target target = tube(space, bent_path(space), 0.3);
-  Stream stream(4, "", "draws");
-  for (const std::string name : {"kde", "histogram", "legacy"}) {
-    const Efficiency e = efficiency(target, target.draw(200, stream), {.estimators = {EstimatorSpec::make(name)}});
-    CHECK(std::isnan(e.value));
-    CHECK(e.reason == name + " needs a space of independent axes, and SO(3) has rotations: use exact, arc or knn");
-  }
-}
-
 TEST_CASE("regions and distributions of spaces with rotations", "[measure]") {
   const Space space = Space::so3(1.0);
   const std::vector<double> one = {0.0, 0.0, 0.0, 1.0};

@@ -59,8 +59,6 @@ std::vector<EstimatorSpec> all_kinds() {
     all.push_back(arc ? EstimatorSpec::make("arc", {{"dimension", std::int64_t{1}}})
                       : EstimatorSpec::make(kind.component->name));
   }
-  all.push_back(EstimatorSpec::make("kde", {{"rule", std::string("scott")}}));
-  all.push_back(EstimatorSpec::make("histogram", {{"smoothing", std::string("floor")}}));
   return all;
 }
 
@@ -75,25 +73,11 @@ bool flagged(const Efficiency& e, const std::string& flag) {
 
 /// Every figure of an efficiency in a row.
 std::vector<double> figures(const Efficiency& e) {
-  std::vector<double> row = {e.uniform,
-                             e.mass,
-                             e.mass_lower95,
-                             e.coverage,
-                             e.coverage_half,
-                             e.uniform_coverage,
-                             e.free_share,
-                             e.uniform_coverage_half,
-                             e.value,
-                             e.light_value,
-                             e.unregularised,
-                             e.gain,
-                             e.js,
-                             e.along.divergence,
-                             e.along.length,
-                             e.along.empty_share};
+  std::vector<double> row = {e.uniform,       e.mass, e.mass_lower95,     e.coverage,     e.free_share,       e.value,
+                             e.unregularised, e.gain, e.along.divergence, e.along.length, e.along.empty_share};
   for (const auto& shares : {e.along.target, e.along.samples}) row.insert(row.end(), shares.begin(), shares.end());
   for (const Estimate& other : e.others) {
-    row.insert(row.end(), {other.value, other.light_value, other.unregularised, other.gain, other.js});
+    row.insert(row.end(), {other.value, other.unregularised, other.gain});
   }
   return row;
 }
@@ -180,16 +164,15 @@ TEST_CASE("A configuration that occurs more than once carries mass and no densit
     outside.push(std::vector{5.0, 9.0});
   }
   for (const EstimatorSpec& spec : all_kinds()) {
-    if (spec.name() == "exact" || spec.name() == "legacy") continue;  // the one has no samples, the other no densities
+    if (spec.name() == "exact") continue;  // it has no samples
     INFO(spec.text());
     const Efficiency without = by(spec, capsule(), base, 512);
     const Efficiency with = by(spec, capsule(), inside, 512);
     const Efficiency away = by(spec, capsule(), outside, 512);
     CHECK(with.unregularised == Approx(away.unregularised).epsilon(0).margin(1e-12));
     CHECK(with.value == Approx(away.value).epsilon(0).margin(1e-12));
-    // 950 of 1000 are left to the density: -log 0.95, up to what smoothing takes from both.
-    const bool smoothed = spec.name() == "histogram" && spec.text() == "histogram";
-    CHECK(with.unregularised - without.unregularised == Approx(-std::log(0.95)).margin(smoothed ? 0.03 : 2e-4));
+    // 950 of 1000 are left to the density.
+    CHECK(with.unregularised - without.unregularised == Approx(-std::log(0.95)).margin(2e-4));
     CHECK(with.in_target == without.in_target + 50);
     CHECK(away.in_target == without.in_target);
     CHECK(with.mass == Approx(-std::log(static_cast<double>(without.in_target + 50) / 1000.0)));
@@ -216,17 +199,15 @@ TEST_CASE("Translation and scale change no divergence") {
                      verify::anywhere, 3);
   const Target moved(Space::euclidean({{-16, -6}, {32, 42}}), path_of({{-15, 37}, {-7, 37}}), {0, 1}, {},
                      verify::anywhere, 3);
-  std::vector<EstimatorSpec> kinds = {EstimatorSpec::make("knn"), EstimatorSpec::make("kde")};
-  std::vector<EstimatorSpec> kinds_of_twice = kinds;
-  kinds.push_back(EstimatorSpec::make("histogram", {{"bin", 0.625}}));
-  kinds_of_twice.push_back(EstimatorSpec::make("histogram", {{"bin", 1.25}}));
+  const std::vector<EstimatorSpec> kinds = {EstimatorSpec::make("knn"),
+                                            EstimatorSpec::make("arc", {{"dimension", std::int64_t{1}}})};
   const auto score = [](const Target& target, const Configurations& rows, const std::vector<EstimatorSpec>& specs) {
     return efficiency(target, rows,
                       {.support = SampleSupport::anything, .estimators = specs, .density = {}, .points = 512});
   };
   const Efficiency here = score(capsule(), samples, kinds);
   check_same(here, score(moved, shifted, kinds), 1e-9);
-  Efficiency there = score(large, twice, kinds_of_twice);
+  Efficiency there = score(large, twice, kinds);
   CHECK(there.along.length == Approx(16.0));
   there.along.length *= 0.5;
   check_same(here, there, 1e-9);
@@ -267,7 +248,6 @@ TEST_CASE("Where a turn begins does not matter: across the wrap is as in the mid
   const Target a = Target::distribution(se2(), settings, middle);
   const Target b = Target::distribution(se2(), settings, across);
   for (const EstimatorSpec& spec : all_kinds()) {
-    // Half a turn is a whole number of cells.
     INFO(spec.text());
     check_same(by(spec, a, samples), by(spec, b, turned_samples), 1e-9);
   }
@@ -305,24 +285,15 @@ TEST_CASE("Coverage is the share of the target near a sample, by brute force") {
     if (i % 50 == 0) samples.push(x);
   }
   double whole = 0.0;
-  double half = 0.0;
   for (std::size_t i = 0; i < 400; ++i) {
     double nearest = infinity;
     for (std::size_t j = 0; j < samples.size(); ++j) {
       nearest = std::min(nearest, se2().distance(target.pool()[i], samples[j]));
     }
     whole += nearest <= 0.5 ? 1.0 / 400 : 0.0;
-    half += nearest <= 0.25 ? 1.0 / 400 : 0.0;
   }
   const Efficiency e = efficiency(target, samples);
   CHECK(e.coverage == Approx(whole).epsilon(0).margin(1e-9));
-  CHECK(e.coverage_half == Approx(half).epsilon(0).margin(1e-9));
-  CHECK(e.coverage_half < e.coverage);
-  CHECK(e.uniform_coverage_half < e.uniform_coverage);
-
-  // What uniform sampling would reach, where every ball lies in the space: 1 - (1 - |ball| / |C|)^N.
-  const Efficiency f = efficiency(capsule(), cloud(150, 1));
-  CHECK(f.uniform_coverage_half == Approx(1 - std::pow(1 - pi * 0.0625 / 100, 150)).epsilon(1e-6));
 }
 
 TEST_CASE("Along the path the samples are counted in bins of equal length") {
@@ -434,7 +405,6 @@ TEST_CASE("Results of too few samples are flagged") {
     CHECK(std::isnan(e.value) == (k > 11));
     CHECK(std::isnan(e.unregularised) == (k > 11));
     CHECK(std::isnan(e.gain) == (k > 11));
-    CHECK(std::isnan(e.js) == (k > 11));
     CHECK(flagged(e, "too few samples") == (k > 11));
     CHECK_FALSE(std::isnan(e.coverage));
     CHECK_FALSE(std::isnan(e.mass_lower95));
@@ -444,26 +414,25 @@ TEST_CASE("Results of too few samples are flagged") {
   // All the same: no estimator of a density has a number.
   Configurations equal(2);
   for (int i = 0; i < 100; ++i) equal.push(std::vector{5.0, 5.0});
-  for (const char* name : {"knn", "kde", "histogram"}) {
-    const Efficiency e = by(EstimatorSpec::make(name), capsule(), equal);
-    CAPTURE(name, e.reason);
+  {
+    const Efficiency e = by(EstimatorSpec::make("knn"), capsule(), equal);
+    CAPTURE(e.reason);
     CHECK(std::isnan(e.value));
     CHECK(std::isnan(e.unregularised));
-    CHECK(std::isnan(e.js));
     CHECK_FALSE(e.reason.empty());
     CHECK(flagged(e, "too few samples"));
     CHECK(e.mass == 0.0);
   }
   Configurations one(2);
   one.push(std::vector{5.0, 5.0});
-  CHECK(std::isnan(by(EstimatorSpec::make("kde"), capsule(), one).value));
+  CHECK(std::isnan(by(EstimatorSpec::make("knn"), capsule(), one).value));
 
-  // A figure below its bound is called wrong: cells much wider than the tube make one.
-  const Efficiency coarse = by(EstimatorSpec::make("histogram", {{"bin", 10.0}}), capsule(), [] {
-    Configurations rows(2);
-    for (int i = 0; i < 400; ++i) rows.push(std::vector{4 + 0.01 * i, i < 2 ? 5.0 : 8.0});
-    return rows;
-  }());
+  // A figure below its bound is called wrong: a recorded density that the samples contradict makes one.
+  Configurations rows(2);
+  for (int i = 0; i < 400; ++i) rows.push(std::vector{4 + 0.01 * i, i < 2 ? 5.0 : 8.0});
+  const Efficiency coarse = efficiency(capsule(), rows,
+                                       {.estimators = {EstimatorSpec::make("exact")},
+                                        .density = [](View) { return std::exp(-capsule().log_volume()); }});
   CHECK(coarse.unregularised < coarse.mass_lower95);
   CHECK(flagged(coarse, "below mass bound"));
 }
@@ -506,7 +475,7 @@ TEST_CASE("Input that makes no figure is refused with what is wrong and what was
   for (const EstimatorSpec& spec : all_kinds()) {
     const Efficiency e = by(spec, invalid, cloud(100, 1));
     CHECK(e.reason == "the target is empty: no valid configuration lies in it");
-    for (const double figure : {e.value, e.unregularised, e.light_value, e.gain, e.js, e.mass, e.uniform, e.coverage}) {
+    for (const double figure : {e.value, e.unregularised, e.gain, e.mass, e.uniform, e.coverage}) {
       CHECK(std::isnan(figure));
     }
   }
@@ -562,23 +531,22 @@ TEST_CASE("Figures of several targets are averaged over those that have them, an
   a.flags = {"underpowered"};
   b.flags = {"censored", "underpowered"};
   c.flags = {"empty target", "underpowered"};
-  a.others = {Estimate{.estimator = "kde", .value = 1.5, .unregularised = 3.0}};
-  b.others = {Estimate{.estimator = "kde", .value = 2.5, .unregularised = 4.0},
-              Estimate{.estimator = "legacy", .value = 40.0, .unregularised = 40.0}};
+  a.others = {Estimate{.estimator = "arc", .value = 1.5, .unregularised = 3.0}};
+  b.others = {Estimate{.estimator = "arc", .value = 2.5, .unregularised = 4.0},
+              Estimate{.estimator = "knn", .value = 40.0, .unregularised = 40.0}};
   const std::vector<Efficiency> all = {c, a, b};
   const Efficiency m = mean(all);
   CHECK(m.value == 1.5);
   CHECK(m.unregularised == infinity);
   CHECK(m.gain == 1.0);
   CHECK(m.uniform == 2.5);
-  CHECK(std::isnan(m.js));
   CHECK(m.samples == 100);
   CHECK(m.in_target == 7);
   CHECK(m.reason.empty());
   // Flags that half of them raised at least.
   CHECK(m.flags == std::vector<std::string>{"underpowered"});
   REQUIRE_FALSE(m.others.empty());
-  CHECK(m.others.front().estimator == "kde");
+  CHECK(m.others.front().estimator == "arc");
   CHECK(m.others.front().value == 2.0);
   CHECK(m.others.front().unregularised == 3.5);
 

@@ -73,7 +73,6 @@ inline Efficiency efficiency(double uniform, double value, std::size_t samples) 
   e.uniform = uniform;
   e.gain = uniform - value;
   e.coverage = 0.8;
-  e.uniform_coverage = 0.75;
   e.samples = samples;
   e.in_target = samples / 10;
   return e;

@@ -46,14 +46,14 @@ std::pair<Experiment, ExperimentResult> published() {
     for (LevelResult& level : run.levels) {
       if (!level.root) continue;
       Estimate plain = level.root->tree;
-      plain.estimator = "legacy";
-      plain.unregularised = run.strategy == "rrt" ? 30.0 : run.strategy == "third" ? 40.0 : 7.0;
+      plain.estimator = "arc";
+      plain.value = run.strategy == "rrt" ? 30.0 : run.strategy == "third" ? 40.0 : 7.0;
       level.root->tree.others = {plain};
       level.root_cross = level.root;
       level.root_cross->tree.value += 0.4;
     }
   }
-  experiment.measure->estimators = {EstimatorSpec::make("knn"), EstimatorSpec::make("legacy")};
+  experiment.measure->estimators = {EstimatorSpec::make("knn"), EstimatorSpec::make("arc")};
   Publication publication;
   publication.source = "Author 1999";
   publication.entries = {{"simple_passage", "rrt", 32.147, 18.671},
@@ -110,7 +110,7 @@ TEST_CASE("the values are one to a line, and none is infinite without being coun
   const auto [experiment, result] = published();
   const auto lines = lines_of(fixture::report_csv(experiment, result));
   CHECK(lines.front() == "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite");
-  CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,legacy,D_eps,30,30,30,14,0") == 1);
+  CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,arc,D_eps,30,30,30,14,0") == 1);
   // A name with a comma and quotes is quoted; the strategy that solved nothing has figures on others' paths at most.
   CHECK(std::any_of(lines.begin(), lines.end(), [](const auto& l) {
     return l.starts_with("\"a|b, \"\"c\"\"\",nested,tree,own,headline,D_eps,,,,0,0");
@@ -152,7 +152,6 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
       e->value_hi = 0.9;
       e->gain = e->uniform - e->value;
       e->parts = {.mass = 0.6, .spread = -1.0};
-      e->js = -0.1;
     }
     root.own = root.root;
   }
@@ -167,8 +166,7 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
   CHECK(text.find("≥ 0.35<br>≥ 0.35") != std::string::npos);  // D
   for (const std::string& line : lines_of(fixture::report_csv(experiment, result))) {
     const bool divergence = line.find(",D_eps,") != std::string::npos || line.find(",D,") != std::string::npos ||
-                            line.find(",D_eps_parts.spread,") != std::string::npos ||
-                            line.find(",JS,") != std::string::npos;
+                            line.find(",D_eps_parts.spread,") != std::string::npos;
     if (divergence) CHECK(line.find(",-") == std::string::npos);
   }
 }

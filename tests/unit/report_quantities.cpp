@@ -57,14 +57,14 @@ TEST_CASE("a measured set keeps the estimates that bounds replace", "[report]") 
   scored.mass = 1.2;
   scored.mass_lower95 = 1.0;
   scored.unregularised = 0.4;
-  scored.others.push_back(Estimate{.estimator = "kde", .value = -0.2, .unregularised = -0.3, .gain = 2.6});
+  scored.others.push_back(Estimate{.estimator = "arc", .value = -0.2, .unregularised = -0.3, .gain = 2.6});
   RunResult run = fixture::plain_run("p", 1, true);
   run.levels.front().own = Scores{scored, scored};
   const std::string line = run_line(facts_of(run));
   const Json set = Json::parse(line).at("levels").at(0).at("measure").at("tree").at("self");
   CHECK(set.at("D") == 1.0);
   CHECK(set.at("estimates").at("D") == 0.4);
-  CHECK(set.at("others").at("kde").at("D") == 1.0);
+  CHECK(set.at("others").at("arc").at("D") == 1.0);
 
   const Efficiency* read = read_run(line).levels.front().score(&LevelScores::own, &Scores::tree);
   REQUIRE(read != nullptr);

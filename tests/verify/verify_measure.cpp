@@ -210,10 +210,6 @@ void estimator_table(Report& report, const std::vector<Case>& cases) {
       {"knn", {}, report.repetitions},
       {"knn", {{"k_all", std::int64_t{3}}}, report.repetitions},
       {"knn", {{"k", std::int64_t{3}}, {"k_all", std::int64_t{3}}, {"blend", false}}, report.repetitions},
-      {"kde", {}, report.repetitions / 10},
-      {"kde", {{"rule", std::string("scott")}}, report.repetitions / 10},
-      {"histogram", {}, report.repetitions},
-      {"histogram", {{"smoothing", std::string("floor")}}, report.repetitions},
   };
   for (const Row& row : rows) {
     const EstimatorSpec spec = EstimatorSpec::make(row.name, row.options);

@@ -43,7 +43,7 @@ int make_estimator(const Component& component, lua::Stack& call);
 /// Returns the target in the syntax of a script: "tube { delta = 0.25 }", with the options that differ from their
 /// defaults.
 std::string text_of(const TargetSpec& target);
-/// "knn, kde { bandwidth = 0.3 }".
+/// "exact, knn { k = 5 }".
 std::string text_of(const std::vector<EstimatorSpec>& estimators);
 
 }  // namespace trellis::dsl

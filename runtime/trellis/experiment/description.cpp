@@ -206,7 +206,7 @@ Json experiment_json(const Experiment& experiment) {
     Json estimators = Json::array();
     for (const auto& estimator : m.estimators) estimators.push_back(estimator.text());
     measure["estimators"] = std::move(estimators);
-    measure["uniform_mix"] = {uniform_mix, light_uniform_mix};
+    measure["uniform_mix"] = uniform_mix;
     measure["cross"] = m.cross;
     measure["cross_levels"] = m.cross_levels;
     measure["metrics"] = m.metrics;

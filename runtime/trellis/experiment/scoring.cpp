@@ -23,8 +23,6 @@ constexpr std::int64_t few_points = 512;
 constexpr std::int64_t small_pool = 2048;
 constexpr std::size_t kept_points = 2048;    // of each run's target, for drawings
 constexpr std::size_t pooled_samples = 500;  // of each run, in the pool of all seeds
-// Kernels cost more than all other estimators together, and serve for comparison only.
-constexpr std::size_t kernel_points = 256;
 // Numbers of samples within this factor of each other need no equalising.
 constexpr double much_different = 2.0;
 
@@ -363,8 +361,7 @@ class ProblemScoring {
                        .rough_interval = rough_intervals_ && !effort.pooled,
                        .density = density,
                        .points = effort.few_points ? static_cast<std::size_t>(few_points) : 0,
-                       .pool = effort.few_points ? static_cast<std::size_t>(small_pool) : 0,
-                       .kernel_points = kernel_points});
+                       .pool = effort.few_points ? static_cast<std::size_t>(small_pool) : 0});
   }
 
   /// \param shared  whether the path is another run's, or one of several
@@ -392,8 +389,7 @@ class ProblemScoring {
                          .rough_interval = rough_intervals_,
                          .density = density,
                          .points = static_cast<std::size_t>(few_points),
-                         .pool = static_cast<std::size_t>(small_pool),
-                         .kernel_points = kernel_points});
+                         .pool = static_cast<std::size_t>(small_pool)});
     };
     Scores oracle;
     Scores uniform;

@@ -61,7 +61,7 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
   complete(estimate.parts, estimate.value, whole.along.regularised);
 }
 
-/// Computes the share of the evaluation points within a distance of a sample, and the expected share for uniform
+/// Computes the share of the evaluation points within delta of a sample, and flags one below that of as many uniform
 /// samples.
 void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   const Target& target = evaluation.target;
@@ -69,34 +69,28 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   const double square = target.delta() * target.delta();
   const auto total = static_cast<double>(result.samples);
   double covered = 0.0;
-  double half_covered = 0.0;
   double expected = 0.0;
-  double half_expected = 0.0;
   double hits = 0.0;
   for (std::size_t i = 0; i < evaluation.points; ++i) {
     poll();
     double nearest = evaluation.neighbours[i * measure::Evaluation::neighbour_count];
-    if (nearest > 0.25 * square && atoms.size() > 0) {
+    if (nearest > square && atoms.size() > 0) {
       double atom = 0.0;
       atoms.nearest(evaluation.at(i), {&atom, 1});
       nearest = std::min(nearest, atom);
     }
     covered += nearest <= square ? 1.0 : 0.0;
-    half_covered += nearest <= 0.25 * square ? 1.0 : 0.0;
     expected -= std::expm1(total * target.log_miss(i));
-    half_expected -= std::expm1(total * target.log_half_miss(i));
     hits += target.hit(i);
   }
   const auto count = static_cast<double>(evaluation.points);
   result.coverage = covered / count;
-  result.coverage_half = half_covered / count;
-  result.uniform_coverage = expected / count;
-  result.uniform_coverage_half = half_expected / count;
+  const double uniform = expected / count;
   // The coverage by uniform samples varies between sets, as for about |A| / |ball| independent positions.
   const double places = std::max(1.0, std::exp(-target.uniform()) / std::max(hits / count, 1e-300));
-  const double spread = std::sqrt(result.uniform_coverage * (1.0 - result.uniform_coverage) / places);
+  const double spread = std::sqrt(uniform * (1.0 - uniform) / places);
   if (target.space().degrees() >= most_across) return;  // balls about so few samples cover nothing, whatever they are
-  if (result.coverage < result.uniform_coverage - std::max(least_margin, 2.0 * spread)) {
+  if (result.coverage < uniform - std::max(least_margin, 2.0 * spread)) {
     result.flags.emplace_back("partial");
   }
 }
@@ -139,8 +133,7 @@ void estimate(const measure::Evaluation& evaluation, const Scoring& scoring, Eff
   for (const EstimatorSpec& spec : scoring.estimators) {
     if (found && (scoring.headline_only || (scoring.brief && spec.name() != "knn"))) continue;
     const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
-    std::string reason = unfit_in(target.space(), spec);
-    if (reason.empty()) reason = kind.unfit(spec.options(), evaluation);
+    const std::string reason = kind.unfit(spec.options(), evaluation);
     if (!reason.empty()) {
       // An estimator that requires more samples is skipped for the next one; a single requested estimator states why it
       // fails.
@@ -150,8 +143,8 @@ void estimate(const measure::Evaluation& evaluation, const Scoring& scoring, Eff
       continue;
     }
     Estimate estimate = kind.estimate(spec.options(), evaluation);
-    // Density that smoothing places where no sample lies is no evidence. (`legacy` consists of its floor only.)
-    if (hits == 0 && spec.name() != "exact" && spec.name() != "legacy") {
+    // Density that smoothing places where no sample lies is no evidence.
+    if (hits == 0 && spec.name() != "exact") {
       estimate.unregularised = std::numeric_limits<double>::infinity();
     }
     estimate.estimator = spec.text();
@@ -221,7 +214,6 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
       scoring.density,
       unreachable,
       result.along,
-      scoring.kernel_points,
       scoring.pool > 0 ? std::min(scoring.pool, target.pool().size()) : target.pool().size()};
   for (std::size_t i = 0; i < points; ++i) {
     poll();
@@ -275,8 +267,7 @@ double mean_of(std::span<const Figure> figures, Field field) {
 Estimate mean_estimate(std::span<const Estimate> estimates) {
   Estimate result;
   result.estimator = estimates.front().estimator;
-  for (double Estimate::*field :
-       {&Estimate::value, &Estimate::light_value, &Estimate::unregularised, &Estimate::gain, &Estimate::js}) {
+  for (double Estimate::*field : {&Estimate::value, &Estimate::unregularised, &Estimate::gain}) {
     result.*field = mean_of(estimates, [&](const Estimate& e) { return e.*field; });
   }
   for (ChainRule Estimate::*parts : {&Estimate::parts, &Estimate::unregularised_parts}) {
@@ -354,7 +345,7 @@ double least_value(const Efficiency& efficiency) {
 Efficiency shown(Efficiency efficiency) {
   const auto show = [&](Estimate& e) {
     // Recorded densities cannot fall below the bound by chance; a floor is no estimate either.
-    const bool estimated = !e.estimator.starts_with("exact") && !e.estimator.starts_with("legacy");
+    const bool estimated = !e.estimator.starts_with("exact");
     const auto bound = [&](double& divergence, ChainRule& parts, double least) {
       if (std::isnan(divergence)) return;
       if (estimated && divergence < least) divergence = least;
@@ -370,7 +361,6 @@ Efficiency shown(Efficiency efficiency) {
     bound(e.unregularised, e.unregularised_parts, certain);
     const double least = least_value(efficiency);
     bound(e.value, e.parts, std::isnan(least) ? 0.0 : least);
-    e.light_value = std::max(e.light_value, 0.0);
     if (!std::isnan(e.value)) e.gain = efficiency.uniform - e.value;
   };
   show(efficiency);
@@ -397,7 +387,6 @@ Efficiency mean(std::span<const Efficiency> figures) {
   for (double Efficiency::*field :
        {&Efficiency::value_lo, &Efficiency::value_hi, &Efficiency::uniform, &Efficiency::perfect, &Efficiency::mass,
         &Efficiency::mass_lower95, &Efficiency::mass_lo, &Efficiency::mass_hi, &Efficiency::coverage,
-        &Efficiency::uniform_coverage, &Efficiency::coverage_half, &Efficiency::uniform_coverage_half,
         &Efficiency::free_share}) {
     result.*field = mean_of(figures, [&](const Efficiency& e) { return e.*field; });
   }

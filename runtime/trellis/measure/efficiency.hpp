@@ -37,12 +37,8 @@ struct Efficiency : Estimate {
   /// samples count with their multiplicity; `spread` contains the loss due to their missing density.
   double mass_lo = std::numeric_limits<double>::quiet_NaN();
   double mass_hi = std::numeric_limits<double>::quiet_NaN();
-  /// The share of A within delta of a sample (full metric), and the expected share for as many uniform samples; the
-  /// same within delta / 2.
+  /// The share of A within delta of a sample (full metric).
   double coverage = std::numeric_limits<double>::quiet_NaN();
-  double uniform_coverage = std::numeric_limits<double>::quiet_NaN();
-  double coverage_half = std::numeric_limits<double>::quiet_NaN();
-  double uniform_coverage_half = std::numeric_limits<double>::quiet_NaN();
   /// The share of the tube that is free.
   double free_share = std::numeric_limits<double>::quiet_NaN();
   Along along;
@@ -52,10 +48,10 @@ struct Efficiency : Estimate {
   /// The other requested estimators that have a value.
   std::vector<Estimate> others;
   /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
-  /// (coverage clearly below uniform's), "below mass bound" (D is below the bound from the mass in A, hence wrong),
-  /// "too few samples" (fewer than k samples that are not atoms), "lower bound" (`arc`), "empty target", "cannot reach"
-  /// (part of T is invalid, where the samples never are). From five degrees of freedom on "indicative" (`knn`) and "few
-  /// in target" (1 to 299 samples in A), and neither "underpowered" nor "partial".
+  /// (coverage clearly below that of as many uniform samples), "below mass bound" (D is below the bound from the mass
+  /// in A, hence wrong), "too few samples" (fewer than k samples that are not atoms), "lower bound" (`arc`), "empty
+  /// target", "cannot reach" (part of T is invalid, where the samples never are). From five degrees of freedom on
+  /// "indicative" (`knn`) and "few in target" (1 to 299 samples in A), and neither "underpowered" nor "partial".
   std::vector<std::string> flags;
   /// Why there is no value; "" where there is one.
   std::string reason;
@@ -81,9 +77,8 @@ struct Scoring {
   /// The density of the samples where the sampler records it (without atoms, per volume in metric coordinates), for
   /// `exact`.
   std::function<double(View)> density = {};
-  std::size_t points = 0;         ///< evaluation points, at most the target's; 0: the target's
-  std::size_t pool = 0;           ///< points for `exact`, at most the target's pool; 0: the pool
-  std::size_t kernel_points = 0;  ///< the first of them, over which `kde` averages; 0: all
+  std::size_t points = 0;  ///< evaluation points, at most the target's; 0: the target's
+  std::size_t pool = 0;    ///< points for `exact`, at most the target's pool; 0: the pool
 };
 
 /// Scores samples.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <trellis/measure/evaluation.hpp>
 
@@ -14,8 +13,7 @@ namespace trellis {
 namespace measure {
 
 const std::vector<EstimatorKind>& estimator_kinds() {
-  static const std::vector<EstimatorKind> kinds = {knn_kind(), exact_kind(),     arc_kind(),
-                                                   kde_kind(), histogram_kind(), legacy_kind()};
+  static const std::vector<EstimatorKind> kinds = {knn_kind(), exact_kind(), arc_kind()};
   return kinds;
 }
 
@@ -39,40 +37,24 @@ double log_sum(double a, double b) {
 
 double mass_without_hit(std::size_t samples) { return -std::log(0.5 / (static_cast<double>(samples) + 1.0)); }
 
-Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density, double mass) {
+Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density) {
   const Target& target = evaluation.target;
   const double log_uniform = -target.space().log_volume();
   const auto count = static_cast<double>(log_density.size());
   double plain = 0.0;
   double regularised = 0.0;
-  double light = 0.0;
-  double own = 0.0;    // log T
-  double total = 0.0;  // the mass of q in A, by the evaluation points
-  double target_js = 0.0;
-  double sample_js = 0.0;
+  double own = 0.0;  // log T
   for (std::size_t i = 0; i < log_density.size(); ++i) {
-    const double log_t = target.log_density(i);
     const bool reachable = evaluation.unreachable.empty() || evaluation.unreachable[i] == 0;
     const double log_q = reachable ? log_density[i] : -std::numeric_limits<double>::infinity();
-    own += log_t;
+    own += target.log_density(i);
     plain += log_q;
     regularised += log_sum(std::log1p(-uniform_mix) + log_q, std::log(uniform_mix) + log_uniform);
-    light += log_sum(std::log1p(-light_uniform_mix) + log_q, std::log(light_uniform_mix) + log_uniform);
-    const double ratio = std::exp(log_q - log_t);
-    total += ratio;
-    target_js += std::numbers::ln2 - std::log1p(ratio);
-    if (ratio > 0.0) sample_js += ratio * (std::numbers::ln2 - std::log1p(1.0 / ratio));
   }
   Estimate result;
   result.unregularised = (own - plain) / count;
   result.value = (own - regularised) / count;
-  result.light_value = (own - light) / count;
   result.gain = target.uniform() - result.value;
-  // The part of Q outside of A, and its atoms, share no point with T: log 2 each. The rest of Q is an integral over A,
-  // normalised to the counted mass.
-  if (total > 0.0) sample_js *= mass / (total / count) / count;
-  result.js =
-      std::clamp(0.5 * (target_js / count + sample_js + (1.0 - mass) * std::numbers::ln2), 0.0, std::numbers::ln2);
   return result;
 }
 
@@ -101,13 +83,6 @@ std::string EstimatorSpec::text() const {
     text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", option, to_string(value));
   }
   return text.empty() ? name_ : fmt::format("{} {{ {} }}", name_, text);
-}
-
-std::string unfit_in(const Space& space, const EstimatorSpec& estimator) {
-  const std::string& name = estimator.name();
-  if (space.flat() || name == "exact" || name == "arc" || name == "knn") return "";
-  return fmt::format("{} needs a space of independent axes, and {} has rotations: use exact, arc or knn", name,
-                     space.name());
 }
 
 double regularised_mass(double mass, double uniform) {

@@ -12,9 +12,8 @@
 
 namespace trellis {
 
-/// The shares of uniform samples mixed into Q for the regularised divergences: of the headline and of the second value.
+/// The share of uniform samples mixed into Q for the regularised divergence.
 inline constexpr double uniform_mix = 0.05;
-inline constexpr double light_uniform_mix = 0.01;
 
 /// A divergence by the chain rule, with A the support of T: D(T || Q) = -log Q(A) + D(T || Q given A). The parts of a
 /// finite divergence sum to it.
@@ -41,15 +40,11 @@ struct Estimate {
   /// D_eps, the headline: D(T || (1-eps) Q + eps Uniform(C)), eps = 0.05; finite for every Q with samples, at most
   /// log(1/eps) + uniform.
   double value = std::numeric_limits<double>::quiet_NaN();
-  /// The same with eps = 0.01.
-  double light_value = std::numeric_limits<double>::quiet_NaN();
   /// D(T || Q) of the samples as they are, with nothing mixed in; +inf where Q has no density on a part of T, and where
   /// no sample lies in A.
   double unregularised = std::numeric_limits<double>::quiet_NaN();
   /// Nats above uniform, uniform - value, as reports print it. More is better; 0 is uniform sampling.
   double gain = std::numeric_limits<double>::quiet_NaN();
-  /// Jensen-Shannon divergence of T and Q, in [0, log 2].
-  double js = std::numeric_limits<double>::quiet_NaN();
   /// The parts of `value`; NaN where T is not uniform.
   ChainRule parts = {};
   /// The parts of `unregularised`.
@@ -63,7 +58,7 @@ class EstimatorSpec {
   static EstimatorSpec make(const std::string& name, const std::vector<Options::Entry>& given = {});
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Options& options() const { return options_; }
-  /// Returns the name and the options that differ from their defaults: "kde { bandwidth = 0.3 }".
+  /// Returns the name and the options that differ from their defaults: "knn { k = 5 }".
   [[nodiscard]] std::string text() const;
   friend bool operator==(const EstimatorSpec&, const EstimatorSpec&) = default;
 
@@ -71,9 +66,6 @@ class EstimatorSpec {
   std::string name_;
   Options options_;
 };
-
-/// Returns why an estimator has no value in a space, whatever the samples; "" where it may have one.
-std::string unfit_in(const Space& space, const EstimatorSpec& estimator);
 
 /// Returns the default order: recorded densities, else the bound by arc length from five degrees of freedom on, else
 /// nearest neighbours: { exact, arc, knn }.
@@ -98,9 +90,6 @@ const EstimatorKind* find_estimator(std::string_view name);
 EstimatorKind knn_kind();
 EstimatorKind exact_kind();
 EstimatorKind arc_kind();
-EstimatorKind kde_kind();
-EstimatorKind histogram_kind();
-EstimatorKind legacy_kind();
 
 }  // namespace measure
 

@@ -36,14 +36,9 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   const Along along = along_path(target, std::span(evaluation.in_target.arcs).first(once), evaluation.points, share);
   // Too few samples in the target give no evidence about their distribution along it.
   const auto or_nothing = [](double divergence) { return std::isnan(divergence) ? 0.0 : divergence; };
-  const auto regularised = [&](double uniform_share) {
-    const double mixed = uniform_share * std::exp(-target.uniform());
-    return -std::log((1.0 - uniform_share) * std::exp(-mass) + mixed) + or_nothing(along.regularised);
-  };
   Estimate result;
   result.unregularised = mass + or_nothing(along.corrected);
-  result.value = regularised(uniform_mix);
-  result.light_value = regularised(light_uniform_mix);
+  result.value = regularised_mass(mass, target.uniform()) + or_nothing(along.regularised);
   result.gain = target.uniform() - result.value;
   return result;
 }

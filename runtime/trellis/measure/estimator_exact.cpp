@@ -30,7 +30,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }
   mass /= static_cast<double>(evaluation.pool);
-  Estimate result = estimate_from(evaluation, log_density, std::min(mass, 1.0));
+  Estimate result = estimate_from(evaluation, log_density);
   // The mass of the density itself, without counting.
   result.unregularised_parts.mass = -std::log(std::min(mass, 1.0));
   return result;

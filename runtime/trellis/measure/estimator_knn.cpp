@@ -156,8 +156,6 @@ class BlendedNeighbours {
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {
   const std::vector<double>& inside = evaluation.in_target.inside;
-  const auto total = static_cast<double>(evaluation.samples.total());
-  const std::size_t d = evaluation.frame().dimension();
   const KnnSettings settings = knn_settings().read(options);
   std::vector<double> log_density(evaluation.points);
   if (inside.empty()) {
@@ -165,7 +163,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
     for (std::size_t i = 0; i < evaluation.points; ++i) {
       log_density[i] = evaluation.target.log_density(i) - mass_without_hit(evaluation.samples.total());
     }
-    Estimate result = estimate_from(evaluation, log_density, 0.0);
+    Estimate result = estimate_from(evaluation, log_density);
     result.unregularised = std::numeric_limits<double>::infinity();
     return result;
   }
@@ -174,8 +172,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
     poll();
     log_density[i] = density.log_density(i);
   }
-  const std::size_t found = inside.size() / d;
-  return estimate_from(evaluation, log_density, static_cast<double>(found) / total);
+  return estimate_from(evaluation, log_density);
 }
 
 std::string unfit(const Options& options, const Evaluation& evaluation) {

@@ -21,7 +21,6 @@ struct Evaluation {
   const std::function<double(View)>& known_density;  ///< of Q where it is recorded, raw coordinates; else empty
   std::span<const char> unreachable;                 ///< points of the pool where Q is certainly 0; empty: none
   const Along& along;                                ///< the samples in the target along the path
-  std::size_t kernel_points = 0;                     ///< the prefix that `kde` uses; 0: all
   std::size_t pool = 0;                              ///< the prefix of the pool that `exact` uses
 
   static constexpr std::size_t neighbour_count = 8;
@@ -38,7 +37,6 @@ struct Evaluation {
 double mass_without_hit(std::size_t samples);
 
 /// Computes the values that follow from log q at the first points of the pool.
-/// \param mass  the mass of Q in A without atoms, for JS
-Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density, double mass);
+Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density);
 
 }  // namespace trellis::measure

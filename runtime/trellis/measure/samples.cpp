@@ -60,12 +60,6 @@ PreparedSamples::PreparedSamples(const Space& space, const Configurations& sampl
   atom_tree_ = measure::PointTree(frame_, atoms_);
 }
 
-double PreparedSamples::remembered(const std::string& name, const std::function<double()>& make) const {
-  const auto found = numbers_.find(name);
-  if (found != numbers_.end()) return found->second;
-  return numbers_.emplace(name, make()).first->second;
-}
-
 namespace measure {
 
 InTarget in_target(const Target& target, const PreparedSamples& samples) {

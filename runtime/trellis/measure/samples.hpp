@@ -2,9 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
-#include <map>
-#include <string>
 #include <vector>
 
 #include <trellis/measure/frame.hpp>
@@ -14,7 +11,7 @@
 namespace trellis {
 
 /// A set of samples prepared for scoring, on one target or on several of the same space: stores the results that do not
-/// depend on the target. Only one thread may use it at a time, because estimators cache derived results in it.
+/// depend on the target.
 ///
 /// A configuration that occurs more than once is an atom: singular relative to any target with a density, it has mass
 /// but no density of its own. The neighbour search therefore omits it with all its copies, while N includes them.
@@ -38,9 +35,6 @@ class PreparedSamples {
   /// Returns the configurations of `all`, then those of `atoms`.
   [[nodiscard]] const Configurations& distinct() const { return distinct_; }
 
-  /// Returns a number that depends on the samples only; computes it on the first call with this name.
-  double remembered(const std::string& name, const std::function<double()>& make) const;
-
  private:
   Space space_;
   measure::Frame frame_;
@@ -49,7 +43,6 @@ class PreparedSamples {
   std::vector<std::size_t> copies_;
   Configurations distinct_;
   measure::PointTree tree_, atom_tree_;
-  mutable std::map<std::string, double> numbers_;
 };
 
 namespace measure {

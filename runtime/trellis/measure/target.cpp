@@ -187,13 +187,10 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
   std::vector<double> unit;
   measure::LowDiscrepancy sequence = sequence_of(seed, tube_->unit_dimension(), unit);
   const auto wanted = static_cast<std::size_t>(std::max(settings.pool, settings.points));
-  const auto evaluated = static_cast<std::size_t>(settings.points);
   std::vector<double> y(d);
   std::vector<double> x(d);
   pool_ = Configurations(d);
   pool_.reserve(wanted);
-  whole_tube_ = Configurations(d);
-  whole_tube_.reserve(evaluated);
   std::size_t drawn = 0;
   std::size_t in_tube = 0;
   std::size_t checked = 0;
@@ -207,11 +204,8 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
     ++drawn;
     if (!tube_->draw(unit, y)) continue;
     ++in_tube;
-    const bool fill = filling();
-    if (!fill && whole_tube_.size() >= evaluated) continue;
+    if (!filling()) continue;
     frame.to_raw(y, x);
-    if (whole_tube_.size() < evaluated) whole_tube_.push(x);
-    if (!fill) continue;
     ++checked;
     if (free_only && !valid_(x)) continue;
     pool_.push(x);
@@ -313,14 +307,12 @@ void Target::finish() {
   };
   hits_.reserve(evaluated);
   log_misses_.reserve(evaluated);
-  log_half_misses_.reserve(evaluated);
   if (tube_) arcs_.reserve(evaluated);
   for (std::size_t i = 0; i < evaluated; ++i) {
     poll();
     const View y = View(pool_rows_).subspan(i * d, d);
     hits_.push_back(chance(y, settings_.delta));
     log_misses_.push_back(std::log1p(-hits_.back()));
-    log_half_misses_.push_back(std::log1p(-chance(y, 0.5 * settings_.delta)));
     if (tube_) arcs_.push_back(tube_->along(y));
   }
 }

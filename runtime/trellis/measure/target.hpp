@@ -134,8 +134,6 @@ class Target {
   [[nodiscard]] double along(View x) const;
   /// Returns the axes of the distance.
   [[nodiscard]] const std::vector<std::size_t>& axes() const;
-  /// Returns points of the whole tube, valid or not: the target of `legacy`.
-  [[nodiscard]] const Configurations& whole_tube() const { return whole_tube_; }
 
   /// Returns independent draws from T, other points than the evaluation points at the pool's beginning: the proposals
   /// of perfect guidance. Fewer than `count` where samples of the target are rare, or the target has too few draws.
@@ -153,11 +151,10 @@ class Target {
   /// the path; in a flat space, each axis; then the squared distances to the last points of the pool. The target
   /// computes them once. Thread-safe.
   [[nodiscard]] const std::vector<measure::TargetFeature>& features() const;
-  /// Returns the probability that one uniform sample falls within delta of an evaluation point, and the logs of the
-  /// probabilities that it does not, nor within delta / 2.
+  /// Returns the probability that one uniform sample falls within delta of an evaluation point, and the log of the
+  /// probability that it does not.
   [[nodiscard]] double hit(std::size_t i) const { return hits_[i]; }
   [[nodiscard]] double log_miss(std::size_t i) const { return log_misses_[i]; }
-  [[nodiscard]] double log_half_miss(std::size_t i) const { return log_half_misses_[i]; }
   /// Returns the arc length at an evaluation point, of a target that has a path.
   [[nodiscard]] double arc(std::size_t i) const { return arcs_[i]; }
 
@@ -177,10 +174,9 @@ class Target {
   double uniform_ = std::numeric_limits<double>::quiet_NaN();
   double free_share_ = 1.0;
   Configurations pool_;
-  Configurations whole_tube_;
   std::vector<double> log_weights_;  // log T at the pool; empty where T is uniform
   std::vector<double> pool_rows_;
-  std::vector<double> hits_, log_misses_, log_half_misses_;
+  std::vector<double> hits_, log_misses_;
   std::vector<double> arcs_;  // of tubes
   struct PoolTrees;
   std::shared_ptr<PoolTrees> pool_trees_;

@@ -65,16 +65,14 @@ const Efficiency* efficiency_of(const RunFacts& run, Where where, Role role) {
   return run.levels.empty() ? nullptr : run.levels.front().score(where, role);
 }
 
-/// Returns the headline value of an estimator: SE; for the plain grid, which is not regularised, D. NaN where it has
-/// none.
+/// Returns SE by an estimator; NaN where it has none.
 double value_by(const Efficiency& efficiency, const std::string& estimator) {
   const Estimate* found = nullptr;
   if (estimator == headline || efficiency.estimator == estimator) found = &efficiency;
   for (const Estimate& other : efficiency.others) {
     if (found == nullptr && other.estimator == estimator) found = &other;
   }
-  if (found == nullptr) return nan;
-  return found->estimator.starts_with("legacy") ? found->unregularised : found->value;
+  return found != nullptr ? found->value : nan;
 }
 
 /// Returns one value per run, NaN where a run has none.
@@ -173,7 +171,7 @@ std::string median_cell(const Interval& median, const Text& text) {
 /// estimate.
 double least_by(const Efficiency& efficiency, const std::string& estimator) {
   const std::string& name = estimator == headline ? efficiency.estimator : estimator;
-  if (name.starts_with("legacy") || name.starts_with("exact")) return 0.0;
+  if (name.starts_with("exact")) return 0.0;
   return least_value(efficiency);
 }
 
@@ -312,9 +310,7 @@ class Tables {
         {"D_eps_parts.spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
         {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
         {"along.D", "along", [](const Efficiency& e) { return e.along.divergence; }, zero},
-        {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }},
-        {"uniform_coverage", "uniform coverage", [](const Efficiency& e) { return e.uniform_coverage; }},
-        {"JS", "JS", [](const Efficiency& e) { return e.js; }, zero}};
+        {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }}};
     return all;
   }
 
@@ -456,12 +452,6 @@ class Tables {
   void layout(const NamedPath& path, const std::string& estimator) {
     page_.heading(estimator == headline ? fmt::format("SE, {}", path.title)
                                         : fmt::format("SE by {}, {}", escaped(estimator), path.title));
-    if (estimator.starts_with("legacy")) {
-      page_.paragraph(
-          "Not regularised, over the whole tube: an artefact of the grid's floor. Kept for comparison with figures "
-          "that "
-          "were made so.");
-    }
     page_.header(problem_header("strategy"));
     for (const StrategyFacts& strategy : experiment_.strategies) {
       const std::string& name = strategy.name;
@@ -560,8 +550,6 @@ class Tables {
   }
   static std::string published_text(double x) { return std::isnan(x) ? "NA" : fmt::format("{}", x); }
 
-  static bool is_legacy(const std::string& estimator) { return estimator.starts_with("legacy"); }
-
   void beside_published() {
     page_.heading("Beside the published figures");
     page_.paragraph(fmt::format("Published: {}.", escaped(experiment_.published->source)));
@@ -571,13 +559,7 @@ class Tables {
         continue;
       }
       std::vector<std::string> header = {escaped(problem.name), "samples", "published"};
-      for (const std::string& estimator : estimators_) {
-        if (estimator != headline && !is_legacy(estimator)) continue;
-        for (const NamedPath& path : paths_) {
-          header.push_back(
-              fmt::format("{}, {}", estimator == headline ? "SE" : "D by " + escaped(estimator), path.title));
-        }
-      }
+      for (const NamedPath& path : paths_) header.push_back(fmt::format("SE, {}", path.title));
       page_.header(header);
       for (const StrategyFacts& strategy : experiment_.strategies) {
         const std::string& name = strategy.name;
@@ -585,13 +567,7 @@ class Tables {
         if (e == nullptr) continue;
         for (const NamedRole& role : roles()) {
           std::vector<std::string> cells = {escaped(name), role.name, published_text(published(*e, role))};
-          for (const std::string& estimator : estimators_) {
-            if (estimator != headline && !is_legacy(estimator)) continue;
-            for (const NamedPath& path : paths_) {
-              cells.push_back(estimator == headline ? supported_cell(problem.name, name, path, role)
-                                                    : cell(shown_figure(problem.name, name, path, role, estimator)));
-            }
-          }
+          for (const NamedPath& path : paths_) cells.push_back(supported_cell(problem.name, name, path, role));
           page_.row(cells);
         }
       }

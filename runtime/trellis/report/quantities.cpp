@@ -107,9 +107,6 @@ constexpr auto of_measure = std::to_array<MeasureQuantity>({
              [](const Efficiency& e) { return on_scale(e.value_lo, e.perfect, e.uniform); }),
     computed({"", "scale_hi", "", "", less, "D_eps_hi on that scale"},
              [](const Efficiency& e) { return on_scale(e.value_hi, e.perfect, e.uniform); }),
-    estimated(
-        {"", "D_eps0.01", "", "nats", less, "as D_eps, with 1 % uniform samples mixed in"},
-        [](auto& e) -> auto& { return e.light_value; }, &Figure::light_value),
     stored(
         {"", "D_perfect", "", "nats", none, "D_eps of perfect guidance, samples of the target itself"},
         [](auto& e) -> auto& { return e.perfect; }, &Figure::perfect),
@@ -133,21 +130,9 @@ constexpr auto of_measure = std::to_array<MeasureQuantity>({
         {"", "D_mass_hi", "", "nats", less,
          "the upper end of that interval; infinite where no sample lies in the target"},
         [](auto& e) -> auto& { return e.mass_hi; }),
-    estimated(
-        {"", "JS", "JS(T, Q)", "nats", less, "Jensen-Shannon divergence, at most log 2 = 0.69"},
-        [](auto& e) -> auto& { return e.js; }, &Figure::js),
     stored(
         {"", "coverage", "", "share", more, "share of the target within delta of a sample (full metric)"},
         [](auto& e) -> auto& { return e.coverage; }, &Figure::coverage, true),
-    stored(
-        {"", "coverage_half", "", "share", more, "share of the target within delta / 2 of a sample"},
-        [](auto& e) -> auto& { return e.coverage_half; }, &Figure::coverage_half),
-    stored(
-        {"", "uniform_coverage", "", "share", none, "expected coverage of as many uniform samples"},
-        [](auto& e) -> auto& { return e.uniform_coverage; }, &Figure::uniform_coverage),
-    stored(
-        {"", "uniform_coverage_half", "", "share", none, "expected coverage_half of as many uniform samples"},
-        [](auto& e) -> auto& { return e.uniform_coverage_half; }),
     stored(
         {"", "free_share", "", "share", none, "valid share of the tube"}, [](auto& e) -> auto& { return e.free_share; },
         &Figure::free_share),

@@ -34,16 +34,17 @@ void append_coordinates(std::string& out, View q, std::size_t columns) {
   }
 }
 
+/// \param accepted  of each sample, by its index
+template <class Accepted>
 void append_samples(std::string& out, int level, std::string_view role, const Configurations& samples,
-                    const std::vector<Fate>* fates, std::size_t columns) {
+                    const Accepted& accepted, std::size_t columns) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     append_number(out, level);
     out += ',';
     out += role;
     out += ',';
     append_number(out, i);
-    const bool accepted = fates == nullptr || (i < fates->size() && (*fates)[i] != Fate::rejected);
-    out += accepted ? ",1" : ",0";
+    out += accepted(i) ? ",1" : ",0";
     append_coordinates(out, samples[i], columns);
     out += '\n';
   }
@@ -57,8 +58,11 @@ std::string samples_csv(const RunResult& run) {
   out += '\n';
   for (const auto& level : run.levels) {
     const LevelRecord& record = level.record;
-    append_samples(out, record.level, "tree", record.search.nodes, nullptr, columns);
-    append_samples(out, record.level, "expansion", record.search.proposals, &record.search.fates, columns);
+    const Search& search = record.search;
+    const auto validated = [&](std::size_t i) { return search.validated.empty() || search.validated[i] != 0; };
+    const auto added = [&](std::size_t i) { return i < search.fates.size() && search.fates[i] != Fate::rejected; };
+    append_samples(out, record.level, "tree", search.nodes, validated, columns);
+    append_samples(out, record.level, "expansion", search.proposals, added, columns);
   }
   return out;
 }

@@ -23,7 +23,6 @@ namespace trellis {
 struct Figure {
   Interval value;                                               ///< D_eps, the headline: SE, regularised, nats
   Interval value_lo, value_hi;                                  ///< the ends of what the samples of a run support
-  Interval light_value;                                         ///< the same with 1 % uniform
   Interval unregularised;                                       ///< D
   Interval gain;                                                ///< nats above uniform: uniform - SE
   Interval uniform;                                             ///< the divergence of uniform sampling
@@ -32,10 +31,7 @@ struct Figure {
   Interval spread;                                              ///< spread = D - mass
   Interval mass_part, spread_part, along_part, across_part;     ///< of D_eps, by the chain rule
   Interval mass_lower95;                                        ///< lower bound of mass
-  Interval js;                                                  ///< Jensen-Shannon divergence
   Interval coverage;                                            ///< share of the target within delta of a sample
-  Interval uniform_coverage;                                    ///< expected coverage of as many uniform samples
-  Interval coverage_half;                                       ///< within delta / 2
   Interval along;                                               ///< divergence of arc length
   Interval empty_share;                                         ///< share of the target in bins without a sample
   std::vector<Interval> profile;                                ///< share of the samples in each part of the path

@@ -279,8 +279,7 @@ std::vector<Table::Column> measure_columns(bool pooled, bool scale) {
                                         number_column({"D at", "least"}, own),
                                         number_column({"along", "nats"}, own),
                                         number_column({"empty", "%"}, own),
-                                        number_column({"covered", "(uniform) %"}, own),
-                                        number_column({"JS", "nats"}, own),
+                                        number_column({"covered", "%"}, own),
                                         number_column({"own", "path"}, root),
                                         number_column({"other", "seeds'"}, root)};
   if (pooled) columns.push_back(number_column({"all seeds", "together"}, root));
@@ -350,8 +349,6 @@ class MeasureRows {
       // An estimate that the samples do not support is not printed.
       const bool blank = !above_uniform(f).blank.empty();
       const auto supported = [&](const std::string& text) { return blank ? "" : text; };
-      const std::string covered =
-          f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
       std::vector<std::string> cells = {
           first ? lines_[k].label : "",
           lines_[k].role,
@@ -367,8 +364,7 @@ class MeasureRows {
           nats(f.mass_lower95.value),
           nats(f.along.value),
           percent(f.empty_share.value),
-          covered,
-          nats(f.js.value),
+          percent(f.coverage.value),
           root[k],
           cross[k]};
       if (any_pooled_) cells.push_back(pooled[k]);
