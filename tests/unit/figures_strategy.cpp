@@ -196,7 +196,7 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
   for (std::size_t i = 0; i < 4; ++i) {
     const draw::Series& point = tree.series[i + 1];
     const Figure& lifted = summary.levels[i].root.tree;
-    const double mass = lifted.uniform.value - lifted.mass_part.value;
+    const double mass = lifted["D_uniform"].value - lifted["D_eps_parts.mass"].value;
     const AboveUniform above = headline(summary.levels[i], SampleRole::tree).above;
     CHECK(point.x.front() == Approx(mass));
     CHECK(point.y.front() == Approx(0.5 * (above.lo + above.hi) - mass));
@@ -244,7 +244,7 @@ TEST_CASE("waterfalls side by side have one scale, which ends beyond perfect gui
   // One strategy with guides has nothing to stand beside.
   CHECK_FALSE(waterfalls_figure("simple_passage", {{"rrt", &plain}, {"nested", &nested}}));
   RunsSummary other = nested;
-  other.levels[0].root.tree.perfect.value = 0.05;
+  other.levels[0].root.tree["D_perfect"].value = 0.05;
   const auto figure = waterfalls_figure("simple_passage", {{"a", &nested}, {"rrt", &plain}, {"b", &other}});
   REQUIRE(figure);
   REQUIRE(figure->panels.size() == 4);
@@ -443,12 +443,12 @@ TEST_CASE("a run without a path lowers the success and stays in the cross figure
   CHECK(summary.success.value == 0.75);
   const Figure& cross = summary.levels.front().root_cross.tree;
   CHECK(cross.scored == 4);
-  CHECK(cross.value.value == 2.5);
-  CHECK(cross.value.n == 4);
+  CHECK(cross["D_eps"].value == 2.5);
+  CHECK(cross["D_eps"].n == 4);
   CHECK(summary.levels.front().root.tree.scored == 0);
   // One that is infinite is counted, and the median takes the mean's place.
   result.runs[1].levels.front().root_cross->tree.unregularised = infinity;
   const Figure counted = fixture::summary_of(result, "p", "s").levels.front().root_cross.tree;
-  CHECK(counted.unregularised.infinite == 1);
-  CHECK(counted.unregularised.value == Approx(0.5 * (3.01 + 4.01)));
+  CHECK(counted["D"].infinite == 1);
+  CHECK(counted["D"].value == Approx(0.5 * (3.01 + 4.01)));
 }

@@ -381,9 +381,9 @@ TEST_CASE("the ends of an interval do not cross where only some runs have sample
   Figure figure;
   figure.scored = 1;
   figure.estimators = {"exact"};
-  figure.perfect.value = 0.05;
-  figure.uniform.value = 1.9;  // of all runs; of the one with samples it is 2
-  figure.value_lo.value = figure.value_hi.value = 4.95;
+  figure["D_perfect"].value = 0.05;
+  figure["D_uniform"].value = 1.9;  // of all runs; of the one with samples it is 2
+  figure["D_eps_lo"].value = figure["D_eps_hi"].value = 4.95;
   const AboveUniform above = above_uniform(figure);
   CHECK(above.lo <= above.hi);
   CHECK(above.hi == Approx(std::log(uniform_mix)));

@@ -42,10 +42,10 @@ TEST_CASE("each quantity has one name, a meaning, and a place in documents", "[r
   const Json& set = run.at("levels").at(0).at("measure").at("tree").at("self");
   const Json& over_runs = document.at("summary").at(0).at("levels").at(0).at("measure").at("tree").at("self");
   for (const RunQuantity& one : run_quantities()) CHECK(has(run, one));
-  for (const MeasureQuantity& one : measure_quantities()) {
+  for (const MeasureQuantity& one : measure_quantities) {
     CAPTURE(one.name());
     CHECK(has(set, one));
-    if (one.over_runs != nullptr) CHECK(has(over_runs, one));
+    if (one.over_runs) CHECK(has(over_runs, one));
   }
   const std::string header = runs_csv_header();
   for (const RunQuantity& one : run_quantities()) CHECK(header.find("," + one.name() + ",") != std::string::npos);

@@ -128,16 +128,16 @@ TEST_CASE("a summary counts only what was scored", "[report]") {
   CHECK(plain.solved == 14);
   REQUIRE(plain.levels.size() == 1);
   CHECK(plain.levels[0].root.tree.scored == 14);
-  CHECK(plain.levels[0].root.tree.value.n == 14);
+  CHECK(plain.levels[0].root.tree["D_eps"].n == 14);
   CHECK(plain.length.n == 14);
 
   const RunsSummary nested = fixture::summary_of(result, "", "nested");
   REQUIRE(nested.levels.size() == 4);
   CHECK(nested.levels[3].parent == 2);
-  CHECK(nested.levels[1].own.expansion.value.infinite == 1);
+  CHECK(nested.levels[1].own.expansion["D_eps"].infinite == 1);
   CHECK(nested.levels[3].own.expansion.scored == 0);
-  CHECK(std::isnan(nested.levels[3].own.expansion.value.value));
-  CHECK(nested.levels[3].own.expansion.uniform.value == Approx(2.39));
+  CHECK(std::isnan(nested.levels[3].own.expansion["D_eps"].value));
+  CHECK(nested.levels[3].own.expansion["D_uniform"].value == Approx(2.39));
   REQUIRE(nested.levels[2].own.tree.flags.size() == 2);
   CHECK(nested.levels[2].own.tree.flags[0].second == 2);
 }

@@ -90,7 +90,7 @@ class Marks {
  public:
   std::string of(const Figure& figure) {
     std::string out;
-    if (figure.value.infinite > 0) add(median_mark, "infinite in some runs, so the median of all", "", out);
+    if (figure["D_eps"].infinite > 0) add(median_mark, "infinite in some runs, so the median of all", "", out);
     for (const auto& [flag, runs] : figure.flags) {
       const char mark = mark_of(flag);
       const auto* const note = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.mark == mark; });

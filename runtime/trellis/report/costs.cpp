@@ -39,9 +39,9 @@ void add_nats(CostData& data, std::size_t problem, std::size_t strategy, const L
                                 proposals,
                                 cross,
                                 figure.scored,
-                                figure.uniform.value - figure.mass_part.value,
-                                -figure.spread_part.value,
-                                figure.gain.value};
+                                figure["D_uniform"].value - figure["D_eps_parts.mass"].value,
+                                -figure["D_eps_parts.spread"].value,
+                                figure["gain"].value};
       const bool known = std::isfinite(nats.mass) && std::isfinite(nats.spread) && std::isfinite(nats.above);
       if (known && nats.runs > 0) data.nats.push_back(nats);
     }
@@ -58,14 +58,14 @@ std::vector<std::vector<Cell>> cells_of(const CostData& data) {
   return cells;
 }
 
-using Quantity = double CostData::Run::*;
+using CostOf = double CostData::Run::*;
 
-CensoredCost cost(const CostData::Run& run, Quantity quantity) {
+CensoredCost cost(const CostData::Run& run, CostOf quantity) {
   const double later = quantity == &CostData::Run::checks ? run.improvement_checks : 0.0;
   return {run.*quantity - later, run.solved};
 }
 
-std::vector<CensoredCost> costs(const Cell& cell, Quantity quantity) {
+std::vector<CensoredCost> costs(const Cell& cell, CostOf quantity) {
   std::vector<CensoredCost> values;
   values.reserve(cell.size());
   for (const auto& [seed, run] : cell) values.push_back(cost(*run, quantity));
@@ -73,7 +73,7 @@ std::vector<CensoredCost> costs(const Cell& cell, Quantity quantity) {
 }
 
 /// Pairs the runs by seed, where both documents have the quantity.
-PairedCosts pairs_of(const Cell& mine, const Cell& theirs, Quantity quantity) {
+PairedCosts pairs_of(const Cell& mine, const Cell& theirs, CostOf quantity) {
   std::vector<CensoredCost> left;
   std::vector<CensoredCost> right;
   for (const auto& [seed, run] : mine) {
@@ -139,7 +139,7 @@ std::vector<std::size_t> references_of(const CostData& data, std::size_t strateg
 }
 
 /// Returns the strategy with the least median cost.
-std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t>& references, Quantity quantity) {
+std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t>& references, CostOf quantity) {
   std::size_t best = references.front();
   double least = infinity;
   for (const std::size_t reference : references) {
@@ -357,7 +357,7 @@ std::vector<CostComparison> compare_costs(const CostData& data, CostReference re
       std::vector<std::size_t> references = references_of(data, s, reference, *base);
       std::erase_if(references, [&](std::size_t r) { return cells[p][r].empty(); });
       if (mine.empty() || references.empty()) continue;
-      const auto against = [&](Quantity quantity) {
+      const auto against = [&](CostOf quantity) {
         const std::size_t other = cheapest(cells[p], references, quantity);
         return CostRatio{pairs_of(mine, cells[p][other], quantity), data.strategies[other].name};
       };

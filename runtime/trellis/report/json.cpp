@@ -63,8 +63,8 @@ Json measure_json(const Figure& f) {
     check = {{"estimator", f.check}, {"difference", interval_json(f.check_difference.difference)}};
   }
   Json out = Json::object();
-  for (const MeasureQuantity& quantity : measure_quantities()) {
-    if (quantity.over_runs != nullptr) json::place_of(quantity, out) = interval_json(f.*quantity.over_runs);
+  for (const MeasureQuantity& quantity : measure_quantities) {
+    if (quantity.over_runs) json::place_of(quantity, out) = interval_json(f[MeasureIndex(quantity)]);
   }
   out["along"].update({{"target", numbers(f.profile_target)}, {"samples", std::move(profile)}});
   out.update({{"N_median", number(f.samples)},

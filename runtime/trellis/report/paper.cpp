@@ -345,7 +345,7 @@ class Tables {
     if (summary.levels.empty()) return {AboveUniform{}, nan};
     const FigurePair& pair = summary.levels.front().*path.pair;
     const Figure& of = role.role == &Scores::tree ? pair.tree : pair.expansion;
-    return {above_uniform(of), of.uniform.value};
+    return {above_uniform(of), of["D_uniform"].value};
   }
   [[nodiscard]] std::string supported_cell(const std::string& problem, const std::string& strategy,
                                            const NamedPath& path, const NamedRole& role) const {
@@ -482,7 +482,7 @@ class Tables {
           const AboveUniform all = above(problem.name, name, together, role).first;
           const AboveUniform single = above(problem.name, name, paths().back(), role).first;
           const FigurePair& pair = summary.levels.front().root_cross;
-          const Interval& estimate = role.role == &Scores::tree ? pair.tree.gain : pair.expansion.gain;
+          const Interval& estimate = role.role == &Scores::tree ? pair.tree["gain"] : pair.expansion["gain"];
           // Their paths differ, so nats above uniform are compared.
           if (!all.printed() || !(estimate.hi < all.lo - visible || estimate.lo > all.hi + visible)) continue;
           rows.push_back({escaped(problem.name), escaped(name), role.name, ends(all), ends(single), cell(estimate)});

@@ -2,6 +2,9 @@
 // The quantities that results have. Documents, tables in CSV, `trellis measure`, help and the glossary use these lists.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,7 +13,6 @@
 #include <vector>
 
 #include <trellis/experiment/facts.hpp>
-#include <trellis/report/summary.hpp>
 
 namespace trellis {
 
@@ -28,13 +30,22 @@ struct Quantity {
 
   /// The one name of it, in JSON, CSV and help: "D_eps", "D_eps_parts.mass".
   [[nodiscard]] std::string name() const { return *group == '\0' ? key : std::string(group) + '.' + key; }
+  /// Whether that is its name.
+  [[nodiscard]] constexpr bool is(std::string_view name) const {
+    const std::string_view before = group;
+    if (!before.empty()) {
+      if (!name.starts_with(before) || name.substr(before.size(), 1) != ".") return false;
+      name.remove_prefix(before.size() + 1);
+    }
+    return name == key;
+  }
 };
 
-/// One quantity of the measure: where a run has it, and where a summary has its interval.
+/// One quantity of the measure, and where a run has it.
 struct MeasureQuantity : Quantity {
   double (*of_run)(const Efficiency&);
   double& (*field)(Efficiency&);  ///< where a run stores it; nullptr: computed from others
-  Interval Figure::*over_runs;    ///< nullptr: summaries do not have it
+  bool over_runs;                 ///< whether summaries have its interval over the runs
   bool of_estimate;               ///< whether each estimator has one
   bool in_table;                  ///< whether tables of runs have a column of it
 };
@@ -45,8 +56,173 @@ struct RunQuantity : Quantity {
   bool clock = false;  ///< a time that no two runs share
 };
 
-/// Returns those of the measure, in the order of reports; those of a group follow one another.
-std::span<const MeasureQuantity> measure_quantities();
+namespace quantity_lines {
+
+/// \param of  returns the field of an efficiency, which may be constant
+template <class Of>
+constexpr MeasureQuantity stored(Quantity quantity, Of /*of*/, bool over_runs = false, bool in_table = false) {
+  return {quantity,
+          [](const Efficiency& e) -> double { return Of{}(e); },
+          [](Efficiency& e) -> double& { return Of{}(e); },
+          over_runs,
+          false,
+          in_table};
+}
+
+/// One that each estimator has.
+template <class Of>
+constexpr MeasureQuantity estimated(Quantity quantity, Of of, bool over_runs = false, bool in_table = false) {
+  MeasureQuantity result = stored(quantity, of, over_runs, in_table);
+  result.of_estimate = true;
+  return result;
+}
+
+constexpr MeasureQuantity computed(Quantity quantity, double (*of)(const Efficiency&)) {
+  return {quantity, of, nullptr, false, false, false};
+}
+
+/// The ends of the 95 % interval of the part `mass` of D_eps.
+inline double mass_lo(const Efficiency& e) { return regularised_mass(e.mass_lo, e.uniform); }
+inline double mass_hi(const Efficiency& e) { return regularised_mass(e.mass_hi, e.uniform); }
+
+inline constexpr const char* eps_parts = "D_eps_parts";
+inline constexpr const char* d_parts = "D_parts";
+
+}  // namespace quantity_lines
+
+/// Those of the measure, in the order of reports; those of a group follow one another. A new one is a line here.
+inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
+    quantity_lines::estimated(
+        {"", "D", "D(T‖Q)", "nats", Better::less,
+         "the divergence with nothing mixed in: infinite where a part of the target has no sample"},
+        [](auto& e) -> auto& { return e.unregularised; }, true),
+    quantity_lines::estimated(
+        {quantity_lines::d_parts, "mass", "-log Q(A)", "nats", Better::less,
+         "the part of D that says how seldom a sample lies in the target"},
+        [](auto& e) -> auto& { return e.unregularised_parts.mass; }, true),
+    quantity_lines::estimated(
+        {quantity_lines::d_parts, "spread", "", "nats", Better::less,
+         "the rest of D: how unevenly the samples in the target cover it"},
+        [](auto& e) -> auto& { return e.unregularised_parts.spread; }, true),
+    quantity_lines::estimated(
+        {quantity_lines::d_parts, "along", "", "nats", Better::less,
+         "the part of the spread of D along the path: the divergence of arc length"},
+        [](auto& e) -> auto& { return e.unregularised_parts.along; }),
+    quantity_lines::estimated(
+        {quantity_lines::d_parts, "across", "", "nats", Better::less,
+         "the part of the spread of D across the path; none from 5 dimensions on"},
+        [](auto& e) -> auto& { return e.unregularised_parts.across; }),
+    quantity_lines::estimated(
+        {"", "D_eps", "SE_T(Q)", "nats", Better::less,
+         "sampling efficiency, the divergence of the samples with 5 % uniform ones mixed in, so that it is finite"},
+        [](auto& e) -> auto& { return e.value; }, true, true),
+    quantity_lines::estimated(
+        {quantity_lines::eps_parts, "mass", "", "nats", Better::less,
+         "the part of D_eps that says how seldom a sample lies in the target. It is counted, and exact"},
+        [](auto& e) -> auto& { return e.parts.mass; }, true, true),
+    quantity_lines::estimated(
+        {quantity_lines::eps_parts, "spread", "", "nats", Better::less,
+         "the rest of D_eps: how unevenly the samples in the target cover it"},
+        [](auto& e) -> auto& { return e.parts.spread; }, true),
+    quantity_lines::estimated(
+        {quantity_lines::eps_parts, "along", "", "nats", Better::less,
+         "the part of the spread of D_eps along the path"},
+        [](auto& e) -> auto& { return e.parts.along; }, true),
+    quantity_lines::estimated(
+        {quantity_lines::eps_parts, "across", "", "nats", Better::less,
+         "the part of the spread of D_eps across the path"},
+        [](auto& e) -> auto& { return e.parts.across; }, true),
+    quantity_lines::computed({quantity_lines::eps_parts, "mass_lo", "", "nats", Better::less,
+                              "the lower end of the 95 % interval of D_eps_parts.mass"},
+                             quantity_lines::mass_lo),
+    quantity_lines::computed({quantity_lines::eps_parts, "mass_hi", "", "nats", Better::less,
+                              "the upper end of the 95 % interval of D_eps_parts.mass"},
+                             quantity_lines::mass_hi),
+    quantity_lines::computed(
+        {quantity_lines::eps_parts, "spread_lo", "", "nats", Better::less,
+         "the lower end of the interval of D_eps_parts.spread that follows from those of D_eps and of "
+         "its mass: "
+         "with 90 % at least"},
+        [](const Efficiency& e) { return e.value_lo - std::min(quantity_lines::mass_hi(e), e.value_lo); }),
+    quantity_lines::computed(
+        {quantity_lines::eps_parts, "spread_hi", "", "nats", Better::less, "the upper end of that interval"},
+        [](const Efficiency& e) { return e.value_hi - std::min(quantity_lines::mass_lo(e), e.value_hi); }),
+    quantity_lines::stored(
+        {"", "D_eps_lo", "", "nats", Better::less,
+         "the lower end of the 95 % interval of D_eps that the samples support: counting certifies it"},
+        [](auto& e) -> auto& { return e.value_lo; }, true, true),
+    quantity_lines::stored(
+        {"", "D_eps_hi", "", "nats", Better::less,
+         "the upper end of that interval, which allows for what so many samples cannot show"},
+        [](auto& e) -> auto& { return e.value_hi; }, true, true),
+    quantity_lines::computed(
+        {"", "scale", "", "", Better::less,
+         "D_eps from 0, perfect guidance, to 1, uniform sampling: (D_eps - D_perfect) / (D_uniform - D_perfect)"},
+        [](const Efficiency& e) { return on_scale(e.value, e.perfect, e.uniform); }),
+    quantity_lines::computed({"", "scale_lo", "", "", Better::less, "D_eps_lo on that scale"},
+                             [](const Efficiency& e) { return on_scale(e.value_lo, e.perfect, e.uniform); }),
+    quantity_lines::computed({"", "scale_hi", "", "", Better::less, "D_eps_hi on that scale"},
+                             [](const Efficiency& e) { return on_scale(e.value_hi, e.perfect, e.uniform); }),
+    quantity_lines::stored(
+        {"", "D_perfect", "", "nats", Better::none, "D_eps of perfect guidance, samples of the target itself"},
+        [](auto& e) -> auto& { return e.perfect; }, true),
+    quantity_lines::stored(
+        {"", "D_uniform", "", "nats", Better::none, "the divergence of uniform sampling"},
+        [](auto& e) -> auto& { return e.uniform; }, true, true),
+    quantity_lines::estimated(
+        {"", "gain", "", "nats", Better::more, "nats above uniform sampling: D_uniform - D_eps"},
+        [](auto& e) -> auto& { return e.gain; }, true),
+    quantity_lines::stored(
+        {"", "D_mass", "-log Q(A)", "nats", Better::less, "-log of the share of the samples in the target"},
+        [](auto& e) -> auto& { return e.mass; }, true),
+    quantity_lines::stored(
+        {"", "D_mass_lower95", "", "nats", Better::less,
+         "the lower bound of D_mass with 95 % confidence (Clopper and Pearson), which D cannot be below"},
+        [](auto& e) -> auto& { return e.mass_lower95; }, true),
+    quantity_lines::stored(
+        {"", "D_mass_lo", "", "nats", Better::less, "the lower end of the two-sided 95 % interval of D_mass"},
+        [](auto& e) -> auto& { return e.mass_lo; }),
+    quantity_lines::stored(
+        {"", "D_mass_hi", "", "nats", Better::less,
+         "the upper end of that interval; infinite where no sample lies in the target"},
+        [](auto& e) -> auto& { return e.mass_hi; }),
+    quantity_lines::stored(
+        {"", "coverage", "", "share", Better::more, "share of the target within delta of a sample (full metric)"},
+        [](auto& e) -> auto& { return e.coverage; }, true, true),
+    quantity_lines::stored(
+        {"", "free_share", "", "share", Better::none, "valid share of the tube"},
+        [](auto& e) -> auto& { return e.free_share; }, true),
+    quantity_lines::stored(
+        {"along", "D", "", "nats", Better::less,
+         "the divergence of where along the path the samples in the target lie"},
+        [](auto& e) -> auto& { return e.along.divergence; }, true),
+    quantity_lines::stored(
+        {"along", "empty_share", "", "share", Better::less,
+         "share of the target in parts of the path without a sample"},
+        [](auto& e) -> auto& { return e.along.empty_share; }, true),
+    quantity_lines::stored(
+        {"along", "D_corrected", "", "nats", Better::less, "along.D without its bias for few samples"},
+        [](auto& e) -> auto& { return e.along.corrected; }),
+    quantity_lines::stored(
+        {"along", "D_eps", "", "nats", Better::less, "along.D_corrected of the samples with 5 % uniform ones mixed in"},
+        [](auto& e) -> auto& { return e.along.regularised; }),
+});
+
+/// The place of a quantity in `measure_quantities`.
+class MeasureIndex {
+ public:
+  /// Finds a quantity by its name, "D_eps_parts.mass". A name without a quantity does not compile.
+  consteval MeasureIndex(const char* name) : at_(0) {  // NOLINT(google-explicit-constructor)
+    while (!measure_quantities.at(at_).is(name)) ++at_;
+  }
+  /// \param quantity  one of `measure_quantities`
+  explicit MeasureIndex(const MeasureQuantity& quantity)
+      : at_(static_cast<std::size_t>(&quantity - measure_quantities.data())) {}
+  [[nodiscard]] std::size_t at() const { return at_; }
+
+ private:
+  std::size_t at_;
+};
 
 /// Returns those of runs, in the order of documents and tables.
 std::span<const RunQuantity> run_quantities();

@@ -264,7 +264,7 @@ Json quantities_json(const Efficiency& scored, const Chosen& chosen) {
   const Efficiency bounded = shown(scored);
   Json out = Json::object();
   Json estimates = Json::object();
-  for (const MeasureQuantity& quantity : measure_quantities()) {
+  for (const MeasureQuantity& quantity : measure_quantities) {
     if (!chosen(quantity)) continue;
     const double x = quantity.of_run(bounded);
     place_of(quantity, out) = number(x);
@@ -393,7 +393,7 @@ void read(const Json& json, T& object) {
 /// Reads the quantities that an object has.
 void read_quantities(const Json& json, Efficiency& e) {
   for (const Json* object : {&json, &field(json, "estimates")}) {
-    for (const MeasureQuantity& quantity : measure_quantities()) {
+    for (const MeasureQuantity& quantity : measure_quantities) {
       if (quantity.field == nullptr || !object->is_object()) continue;
       const Json& group = *quantity.group == '\0' ? *object : field(*object, quantity.group);
       if (group.is_object() && group.contains(quantity.key)) quantity.field(e) = read_number(group.at(quantity.key));

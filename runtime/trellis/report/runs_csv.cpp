@@ -48,7 +48,7 @@ void each_column(const Visit& visit) {
   for (const RunQuantity& quantity : run_quantities()) visit(quantity.key, fmt::format("/{}", quantity.key));
   for (const Column& column : last_columns) visit(std::string(column.name), std::string(column.place));
   for (const char* role : {"tree", "expansion"}) {
-    for (const MeasureQuantity& quantity : measure_quantities()) {
+    for (const MeasureQuantity& quantity : measure_quantities) {
       const std::string group = *quantity.group == '\0' ? "" : fmt::format("/{}", quantity.group);
       if (!quantity.in_table) continue;
       visit(fmt::format("{}_{}", role, quantity.name()),

@@ -84,16 +84,18 @@ void at_least(Interval& interval, double bound) {
 /// \param least  the lower bound of D_eps, the mean over the runs
 void bound_below(Figure& figure, double least) {
   constexpr double visible = 0.005;  // half of the last printed digit
-  if (figure.value.value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
-  at_least(figure.unregularised, figure.mass_lower95.value);
-  at_least(figure.value, least);
-  const double most_gain = figure.uniform.value - least;
-  for (double* x : {&figure.gain.value, &figure.gain.lo, &figure.gain.hi}) {
+  if (figure["D_eps"].value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
+  at_least(figure["D"], figure["D_mass_lower95"].value);
+  at_least(figure["D_eps"], least);
+  const double most_gain = figure["D_uniform"].value - least;
+  Interval& gain = figure["gain"];
+  for (double* x : {&gain.value, &gain.lo, &gain.hi}) {
     if (*x > most_gain) *x = most_gain;
   }
-  for (Interval* part :
-       {&figure.spread, &figure.mass_part, &figure.spread_part, &figure.along_part, &figure.across_part}) {
-    at_least(*part, 0.0);
+  for (const MeasureIndex part :
+       {MeasureIndex("D_parts.spread"), MeasureIndex("D_eps_parts.mass"), MeasureIndex("D_eps_parts.spread"),
+        MeasureIndex("D_eps_parts.along"), MeasureIndex("D_eps_parts.across")}) {
+    at_least(figure[part], 0.0);
   }
 }
 
@@ -155,11 +157,11 @@ Figure figure(const Levels& levels, Where where, Role role) {
   result.scored = figures.size();
   result.samples = median(values_of(figures, [](const Efficiency& e) { return e.samples; }));
   result.in_target = median(values_of(figures, [](const Efficiency& e) { return e.in_target; }));
-  for (const MeasureQuantity& quantity : measure_quantities()) {
-    if (quantity.over_runs == nullptr) continue;
+  for (const MeasureQuantity& quantity : measure_quantities) {
+    if (!quantity.over_runs) continue;
     // Uniform sampling has its divergence where the samples have none, too.
-    const auto& scores = quantity.over_runs == &Figure::uniform ? all : figures;
-    result.*quantity.over_runs = student_interval(values_of(scores, quantity.of_run));
+    const auto& scores = quantity.is("D_uniform") ? all : figures;
+    result[MeasureIndex(quantity)] = student_interval(values_of(scores, quantity.of_run));
   }
   const auto least = [](const Efficiency& e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); };
   bound_below(result, student_interval(values_of(figures, least)).value);
@@ -410,15 +412,15 @@ AboveUniform above_uniform(const Figure& figure) {
   if (figure.scored == 0) return {};
   const bool exact = std::all_of(figure.estimators.begin(), figure.estimators.end(),
                                  [](const std::string& name) { return name.starts_with("exact"); });
-  const double uniform = figure.uniform.value;
+  const double uniform = figure["D_uniform"].value;
   const auto end = [](double bound, double value) { return std::isnan(bound) ? value : bound; };
   // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
-  const double least = figure.perfect.value;
+  const double least = figure["D_perfect"].value;
   const double most = uniform - std::log(uniform_mix);
   // `uniform` is the mean over all runs, the ends those over the runs with samples: both are bounded.
   const auto bounded = [&](double bound) { return std::min(std::max(bound, least), most); };
-  const double lo = bounded(end(figure.value_lo.lo, figure.value_lo.value));
-  const double hi = bounded(end(figure.value_hi.hi, figure.value_hi.value));
+  const double lo = bounded(end(figure["D_eps_lo"].lo, figure["D_eps_lo"].value));
+  const double hi = bounded(end(figure["D_eps_hi"].hi, figure["D_eps_hi"].value));
   return between(lo, hi, least, uniform, exact);
 }
 
@@ -432,9 +434,9 @@ Headline over_runs(const LevelSummary& level, SampleRole role) {
   Figure FigurePair::*const part = role == SampleRole::tree ? &FigurePair::tree : &FigurePair::expansion;
   const Figure& figure = (level.root_cross.*part).scored > 0 ? level.root_cross.*part : level.root.*part;
   Headline result{.above = above_uniform(figure),
-                  .uniform = figure.uniform.value,
-                  .perfect = figure.perfect.value,
-                  .mass = figure.mass_part.value,
+                  .uniform = figure["D_uniform"].value,
+                  .perfect = figure["D_perfect"].value,
+                  .mass = figure["D_eps_parts.mass"].value,
                   .runs = figure.scored};
   for (const auto& [flag, runs] : figure.flags) {
     if (2 * runs >= figure.scored) result.flags.push_back(flag);

@@ -14,6 +14,7 @@
 
 #include <trellis/experiment/facts.hpp>
 #include <trellis/measure/statistics.hpp>
+#include <trellis/report/quantities.hpp>
 
 namespace trellis {
 
@@ -21,31 +22,22 @@ namespace trellis {
 /// means of divergences that fall below their bound, and their intervals, are clipped at the bound. A run without a
 /// score does not enter the intervals; `scored` is the number of scored runs.
 struct Figure {
-  Interval value;                                               ///< D_eps, the headline: SE, regularised, nats
-  Interval value_lo, value_hi;                                  ///< the ends of what the samples of a run support
-  Interval unregularised;                                       ///< D
-  Interval gain;                                                ///< nats above uniform: uniform - SE
-  Interval uniform;                                             ///< the divergence of uniform sampling
-  Interval perfect;                                             ///< D_eps of samples of T itself
-  Interval mass;                                                ///< -log Q(A)
-  Interval spread;                                              ///< spread = D - mass
-  Interval mass_part, spread_part, along_part, across_part;     ///< of D_eps, by the chain rule
-  Interval mass_lower95;                                        ///< lower bound of mass
-  Interval coverage;                                            ///< share of the target within delta of a sample
-  Interval along;                                               ///< divergence of arc length
-  Interval empty_share;                                         ///< share of the target in bins without a sample
-  std::vector<Interval> profile;                                ///< share of the samples in each part of the path
-  std::vector<double> profile_target;                           ///< share of the target there
-  double samples = std::numeric_limits<double>::quiet_NaN();    ///< N, median over the runs
-  double in_target = std::numeric_limits<double>::quiet_NaN();  ///< n
-  Interval free_share;                                          ///< valid share of the tube
-  std::size_t scored = 0;                                       ///< runs with a value
-  std::vector<std::string> reasons;                             ///< why other runs have none, without duplicates
-  std::vector<std::string> estimators;                          ///< of those runs, without duplicates
-  std::vector<std::pair<std::string, std::size_t>> flags;       ///< each raised flag, and its number of runs
+  std::array<Interval, measure_quantities.size()> intervals = {};  ///< of each quantity that summaries have
+  std::vector<Interval> profile;                                   ///< share of the samples in each part of the path
+  std::vector<double> profile_target;                              ///< share of the target there
+  double samples = std::numeric_limits<double>::quiet_NaN();       ///< N, median over the runs
+  double in_target = std::numeric_limits<double>::quiet_NaN();     ///< n
+  std::size_t scored = 0;                                          ///< runs with a value
+  std::vector<std::string> reasons;                                ///< why other runs have none, without duplicates
+  std::vector<std::string> estimators;                             ///< of those runs, without duplicates
+  std::vector<std::pair<std::string, std::size_t>> flags;          ///< each raised flag, and its number of runs
   /// The comparison of the headline estimator with the first other one, if any: its name, and the paired difference.
   std::string check;
   Paired check_difference;
+
+  /// Returns the interval of a quantity: figure["D_eps"].
+  [[nodiscard]] Interval& operator[](MeasureIndex quantity) { return intervals.at(quantity.at()); }
+  [[nodiscard]] const Interval& operator[](MeasureIndex quantity) const { return intervals.at(quantity.at()); }
 };
 
 /// Tree and expansion of a level, in one space.

@@ -19,11 +19,11 @@ namespace trellis {
 
 namespace {
 
-using Quantity = CostRatio CostComparison::*;
+using CostColumn = CostRatio CostComparison::*;
 
-const std::vector<std::pair<const char*, Quantity>>& quantities() {
-  static const std::vector<std::pair<const char*, Quantity>> all = {{"validity checks", &CostComparison::checks},
-                                                                    {"CPU time", &CostComparison::seconds}};
+const std::vector<std::pair<const char*, CostColumn>>& cost_columns() {
+  static const std::vector<std::pair<const char*, CostColumn>> all = {{"validity checks", &CostComparison::checks},
+                                                                      {"CPU time", &CostComparison::seconds}};
   return all;
 }
 
@@ -199,7 +199,7 @@ class Tables {
         const auto begin = group.problems.begin() + static_cast<std::ptrdiff_t>(first);
         const std::size_t count = std::min(most, group.problems.size() - first);
         const std::vector<std::size_t> some(begin, begin + static_cast<std::ptrdiff_t>(count));
-        for (const auto& [name, quantity] : quantities()) matrix(some, name, quantity);
+        for (const auto& [name, quantity] : cost_columns()) matrix(some, name, quantity);
       }
     }
     every_figure();
@@ -261,7 +261,7 @@ class Tables {
     return found == beside_baseline_.end() ? nullptr : &*found;
   }
 
-  void matrix(const std::vector<std::size_t>& problems, const std::string& name, Quantity quantity) {
+  void matrix(const std::vector<std::size_t>& problems, const std::string& name, CostColumn quantity) {
     std::vector<std::string> cells = {name};
     for (const std::size_t p : problems) cells.push_back(escaped(data_.problems[p].name));
     out_.header(cells);
@@ -387,8 +387,8 @@ std::string costs_csv(const CostData& data, const std::string& baseline) {
   const std::vector<std::pair<const char*, CostReference>> references = {{"baseline", CostReference::baseline},
                                                                          {"own_planner", CostReference::own_planner},
                                                                          {"best_part", CostReference::best_part}};
-  const std::vector<std::pair<const char*, Quantity>> columns = {{"validity_checks", &CostComparison::checks},
-                                                                 {"cpu_s", &CostComparison::seconds}};
+  const std::vector<std::pair<const char*, CostColumn>> columns = {{"validity_checks", &CostComparison::checks},
+                                                                   {"cpu_s", &CostComparison::seconds}};
   for (const auto& [against, reference] : references) {
     for (const CostComparison& c : compare_costs(data, reference, baseline)) {
       const auto& problem = data.problems[c.problem];

@@ -137,7 +137,7 @@ Table::Column text_column(std::string heading) { return {{std::move(heading)}, "
 
 bool any_figure(const std::vector<LevelSummary>& levels) {
   const auto has = [](const FigurePair& pair) {
-    return std::isfinite(pair.tree.uniform.value) || std::isfinite(pair.expansion.uniform.value);
+    return std::isfinite(pair.tree["D_uniform"].value) || std::isfinite(pair.expansion["D_uniform"].value);
   };
   return std::any_of(levels.begin(), levels.end(), [&](const LevelSummary& l) {
     return has(l.own) || has(l.root) || has(l.own_cross) || has(l.root_cross);
@@ -254,8 +254,8 @@ std::string divergence_text(const Figure& figure) {
   const AboveUniform above = above_uniform(figure);
   if (figure.scored == 0 || std::isnan(above.lo)) return "-";
   if (!above.blank.empty()) return "";
-  const std::string lo = fixed(figure.uniform.value - above.hi, 2);
-  const std::string hi = fixed(figure.uniform.value - above.lo, 2);
+  const std::string lo = fixed(figure["D_uniform"].value - above.hi, 2);
+  const std::string hi = fixed(figure["D_uniform"].value - above.lo, 2);
   return lo == hi ? lo : lo + "…" + hi;
 }
 
@@ -349,24 +349,23 @@ class MeasureRows {
       // An estimate that the samples do not support is not printed.
       const bool blank = !above_uniform(f).blank.empty();
       const auto supported = [&](const std::string& text) { return blank ? "" : text; };
-      std::vector<std::string> cells = {
-          first ? lines_[k].label : "",
-          lines_[k].role,
-          std::to_string(f.scored),
-          count_text(f.samples),
-          count_text(f.in_target),
-          nats(f.uniform.value),
-          own[k],
-          divergence_text(f),
-          interval_text(f.mass_part),
-          supported(interval_text(f.spread_part)),
-          supported(std::isinf(f.unregularised.value) ? "inf" : nats(f.unregularised.value)),
-          nats(f.mass_lower95.value),
-          nats(f.along.value),
-          percent(f.empty_share.value),
-          percent(f.coverage.value),
-          root[k],
-          cross[k]};
+      std::vector<std::string> cells = {first ? lines_[k].label : "",
+                                        lines_[k].role,
+                                        std::to_string(f.scored),
+                                        count_text(f.samples),
+                                        count_text(f.in_target),
+                                        nats(f["D_uniform"].value),
+                                        own[k],
+                                        divergence_text(f),
+                                        interval_text(f["D_eps_parts.mass"]),
+                                        supported(interval_text(f["D_eps_parts.spread"])),
+                                        supported(std::isinf(f["D"].value) ? "inf" : nats(f["D"].value)),
+                                        nats(f["D_mass_lower95"].value),
+                                        nats(f["along.D"].value),
+                                        percent(f["along.empty_share"].value),
+                                        percent(f["coverage"].value),
+                                        root[k],
+                                        cross[k]};
       if (any_pooled_) cells.push_back(pooled[k]);
       if (with_scale) cells.push_back(lines_[k].scale);
       table.add(std::move(cells));
