@@ -234,22 +234,18 @@ std::string measurement_table(const Case& c, const Measurement& m) {
   const bool printed = !blank && !std::isnan(e.value_lo);
   const auto add = [&](const char* name, const std::string& value, const std::string& more = "") {
     const Quantity of = quantity(name);
-    const bool first = of.name() == "D_eps" || of.name() == "gain";
+    const bool first = of.name() == "SE" || of.name() == "above_uniform";
     text += row(name, value, (first ? described(of) : of.meaning) + more);
   };
   if (printed) {
-    add("D_eps", interval_text(e.value_lo, e.value_hi));
-    add("gain", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo));
-    if (!covers_space(e.uniform)) {
-      add("scale",
-          interval_text(on_scale(e.value_lo, e.perfect, e.uniform), on_scale(e.value_hi, e.perfect, e.uniform)));
-    }
+    add("SE", interval_text(e.value_lo, e.value_hi));
+    add("above_uniform", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo));
   } else if (blank) {
-    add("D_eps", "", fmt::format(": {} ({} to {})", blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
+    add("SE", "", fmt::format(": {} ({} to {})", blank_of(e), figure_text(e.value_lo), figure_text(e.value_hi)));
   }
   if (!blank) {
     text += row("estimate", figures.value,
-                fmt::format("D_eps by {}{}", e.estimator,
+                fmt::format("SE by {}{}", e.estimator,
                             e.estimator.starts_with("exact") ? "" : ", if the samples show all of the distribution"));
   }
   text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
@@ -270,8 +266,8 @@ std::string measurement_table(const Case& c, const Measurement& m) {
   add("coverage", figure_text(e.coverage));
   text += profile(e.along);
   if (!m.answers.empty()) {
-    text +=
-        fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "estimator", "D_eps", "mass", "spread", "D", "gain");
+    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "estimator", "SE", "mass", "spread", "D",
+                        "above_uniform");
     for (const Measurement::Answer& answer : m.answers) {
       if (!answer.estimate) {
         text += fmt::format("  {:<10} none: {}\n", answer.estimator, answer.reason);
@@ -280,7 +276,7 @@ std::string measurement_table(const Case& c, const Measurement& m) {
       const Estimate& estimate = *answer.estimate;
       text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9}\n", answer.estimator, figure_text(estimate.value),
                           figure_text(estimate.parts.mass), figure_text(estimate.parts.spread),
-                          figure_text(estimate.unregularised), figure_text(estimate.gain));
+                          figure_text(estimate.unregularised), figure_text(estimate.above_uniform));
     }
   }
   if (!e.flags.empty()) text += '\n';

@@ -50,32 +50,32 @@ class Measurement:
     def se(self) -> float:
         """SE_T(Q), the divergence of T from the samples with 5 % uniform ones mixed in; at least 0, less is better. The
         estimate of `estimator`."""
-        return _number(self.document["D_eps"])
+        return _number(self.document["SE"])
 
     @property
     def se_interval(self) -> Interval:
         """The 95 % interval of `se` that the samples support."""
-        return _interval(self.document, "D_eps")
+        return _interval(self.document, "SE")
 
     @property
     def mass(self) -> float:
         """The part of `se` that comes from samples outside of T: `se` = `mass` + `spread`."""
-        return _number(self.document["D_eps_parts"]["mass"])
+        return _number(self.document["SE_parts"]["mass"])
 
     @property
     def mass_interval(self) -> Interval:
         """The 95 % interval of `mass` (Clopper and Pearson)."""
-        return _interval(self.document["D_eps_parts"], "mass")
+        return _interval(self.document["SE_parts"], "mass")
 
     @property
     def spread(self) -> float:
         """The part of `se` that comes from how unevenly the samples within T cover it."""
-        return _number(self.document["D_eps_parts"]["spread"])
+        return _number(self.document["SE_parts"]["spread"])
 
     @property
     def spread_interval(self) -> Interval:
         """The 90 % interval of `spread`, by the 95 % intervals of `se` and `mass`."""
-        return _interval(self.document["D_eps_parts"], "spread")
+        return _interval(self.document["SE_parts"], "spread")
 
     @property
     def uniform(self) -> float:
@@ -88,9 +88,9 @@ class Measurement:
         return _number(self.document["D_perfect"])
 
     @property
-    def gain(self) -> float:
+    def above_uniform(self) -> float:
         """`uniform` - `se`: nats above uniform sampling, more is better."""
-        return _number(self.document["gain"])
+        return _number(self.document["above_uniform"])
 
     @property
     def n(self) -> int:

@@ -122,7 +122,7 @@ class Result:
     @property
     def levels(self) -> "pandas.DataFrame":
         """A row of each level of each run: `problem`, `strategy`, `seed`, then the fields of the level: `level` (0 is
-        the root), `name`, `validity_checks`, `measure.root.tree.self.D_eps` in nats (lower is better), ...
+        the root), `name`, `validity_checks`, `measure.root.tree.self.SE` in nats (lower is better), ...
 
         Raises ImportError without pandas.
         """

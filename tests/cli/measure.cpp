@@ -119,7 +119,7 @@ TEST_CASE("uniform samples of a capsule gain nothing over uniform sampling") {
   CHECK(figures["vol_T"].get<double>() == Approx(6.0 + std::numbers::pi / 4.0).epsilon(0.005));
   CHECK(figures["log_vol_C"].get<double>() == Approx(std::log(100.0)));
   CHECK(figures["D_uniform"].get<double>() == Approx(capsule_uniform).margin(0.005));
-  CHECK(figures["gain"].get<double>() == Approx(0.0).margin(0.05));
+  CHECK(figures["above_uniform"].get<double>() == Approx(0.0).margin(0.05));
   CHECK(figures["D"].get<double>() == Approx(capsule_uniform).margin(0.05));
   const double share = std::exp(-capsule_uniform);
   CHECK(figures["share_in_target"].get<double>() == Approx(share).margin(0.006));
@@ -142,7 +142,7 @@ TEST_CASE("the intervals of mass and spread contain the parts of the headline") 
   const Place place;
   for (const std::string& csv : {uniform_csv(3000), left_csv(3000)}) {
     const Json figures = measured(place, capsule(), csv);
-    const Json& parts = figures["D_eps_parts"];
+    const Json& parts = figures["SE_parts"];
     for (const std::string part : {"mass", "spread"}) {
       INFO(part << figures.dump());
       CHECK(parts[part + "_lo"].get<double>() <= parts[part].get<double>());
@@ -178,7 +178,7 @@ TEST_CASE("a scene decides what is valid, by name, by file and by script") {
   const Json named = measured(place, passage(), csv);
   CHECK(named["free_share"].get<double>() > 0.2);
   CHECK(named["free_share"].get<double>() < 0.95);
-  CHECK(named["gain"].get<double>() == Approx(0.0).margin(0.1));
+  CHECK(named["above_uniform"].get<double>() == Approx(0.0).margin(0.1));
 
   place.script("scene.lua", "return scenes.simple_passage { resolution = 0.1 }\n");
   Json by_script = passage();
@@ -218,7 +218,7 @@ TEST_CASE("a path in an obstacle is pointed at, and samples elsewhere are censor
   CHECK(away["n"] == 0);
   CHECK(away["D"] == "inf");
   CHECK(away["D_mass"] == "inf");
-  CHECK(away["D_eps"].is_number());
+  CHECK(away["SE"].is_number());
   CHECK(away["along"]["D"].is_null());
   CHECK(away["along"]["empty_share"] == 1.0);
   CHECK(away["outside"] == 1);
@@ -236,9 +236,9 @@ TEST_CASE("each estimator can be asked, or all of them") {
   const Json all = measured(place, capsule(), uniform_csv(3000), {"--estimator", "all"});
   CHECK(all["estimator"] == "knn");
   const auto& one = all["estimators"]["knn"];
-  for (const char* figure : {"D", "D_eps", "gain"}) CHECK(one[figure].is_number());
+  for (const char* figure : {"D", "SE", "above_uniform"}) CHECK(one[figure].is_number());
   CHECK_FALSE(one.contains("reason"));
-  CHECK(all["estimators"]["knn"]["D_eps"] == all["D_eps"]);
+  CHECK(all["estimators"]["knn"]["SE"] == all["SE"]);
   CHECK(all["estimators"]["exact"]["D"].is_null());
   CHECK(all["estimators"]["exact"]["reason"].get<std::string>().find("density") != std::string::npos);
   CHECK(all["estimators"]["arc"]["reason"] == "the space has 2 dimensions, fewer than 5");

@@ -45,7 +45,7 @@ TEST_CASE("samples of a body in space have a bound as their headline, and the re
     std::size_t scored = 0;
     for (const Json& run : document["runs"]) {
       const Json& tree = run["levels"][0]["measure"]["tree"]["self"];
-      if (tree["D_eps"].is_null()) continue;
+      if (tree["SE"].is_null()) continue;
       ++scored;
       CHECK(tree["estimator"] == "arc");
       const auto flagged = [&](const char* flag) {
@@ -53,11 +53,11 @@ TEST_CASE("samples of a body in space have a bound as their headline, and the re
       };
       CHECK(flagged("lower bound"));
       CHECK_FALSE(flagged("underpowered"));
-      CHECK(tree["D_eps"].get<double>() >= 0.0);
+      CHECK(tree["SE"].get<double>() >= 0.0);
       // Proposals of RRT have a density: uniform, and the goal.
       const Json& expansion = run["levels"][0]["measure"]["expansion"]["self"];
       CHECK(expansion["estimator"] == "exact");
-      CHECK(expansion["D_eps"].get<double>() == Approx(expansion["D_uniform"].get<double>()).margin(0.06));
+      CHECK(expansion["SE"].get<double>() == Approx(expansion["D_uniform"].get<double>()).margin(0.06));
     }
     CHECK(scored > 0);
   }

@@ -148,9 +148,9 @@ return experiment {
 
   // Documents of the format before have costs, and a note says what is left out.
   std::string older = content(place / "it.json");
-  const std::string format = "\"format\":2";
+  const std::string format = "\"format\":3";
   REQUIRE(older.find(format) != std::string::npos);
-  older.replace(older.find(format), format.size(), "\"format\":1");
+  older.replace(older.find(format), format.size(), "\"format\":2");
   std::ofstream(place / "old.json") << older;
   const Outcome old = place.run({"plot", "old.json", "--out", "old"});
   CHECK(old.status == 0);

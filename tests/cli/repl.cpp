@@ -240,10 +240,10 @@ TEST_CASE("a run is planned and inspected") {
   CHECK_THAT(sitting.enter("levels()"), Contains("shrink(0.5)") && Contains("all levels"));
   CHECK_THAT(sitting.enter("plot()"), Contains("┌──") && Contains("G") && Contains("level 0, root"));
   CHECK_THAT(sitting.enter("efficiency()"), Contains("own space, own path") && Contains("expansion"));
-  CHECK_THAT(sitting.enter("type(run().levels[0].tree.value)"), Contains("number"));
+  CHECK_THAT(sitting.enter("type(run().levels[0].tree.SE)"), Contains("number"));
   CHECK_THAT(sitting.enter("run().levels[0].name, run().levels[2].name, #run().levels"),
              Contains("root\r\nskeleton()\r\n2\r\n"));
-  CHECK_THAT(sitting.enter("run().levels[0].expansion.value > 0"), Contains("true"));
+  CHECK_THAT(sitting.enter("run().levels[0].expansion.SE > 0"), Contains("true"));
   CHECK_THAT(sitting.enter("#run().path > 2, run().solved, run().seed"), Contains("true\r\ntrue\r\n3\r\n"));
   CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
   CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));

@@ -277,10 +277,11 @@ TEST_CASE("a merge replaces its own database only, and has the scores of a run",
   REQUIRE(it.place.run({"merge", "scored", "--sqlite", "all.db"}).status == 0);
   {
     const trellis::Database database(it.place / "all.db", trellis::Database::Mode::read, {"database", "database"});
-    trellis::Database::Statement gain(database, "SELECT tree_gain FROM runs ORDER BY id");
+    trellis::Database::Statement gain(database, "SELECT tree_above_uniform FROM runs ORDER BY id");
     REQUIRE(gain.step());
     const Json run = Json::parse(it.text("scored/results.json")).at("runs").at(0);
-    CHECK(gain.number(0) == run.at("levels").at(0).at("measure").at("tree").at("self").at("gain").get<double>());
+    CHECK(gain.number(0) ==
+          run.at("levels").at(0).at("measure").at("tree").at("self").at("above_uniform").get<double>());
   }
   REQUIRE(it.place.run({"merge", "scored", "--csv", "all.csv"}).status == 0);
   CHECK(it.text("all.csv") == it.text("scored/runs.csv"));

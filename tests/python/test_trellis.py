@@ -127,7 +127,7 @@ class Scripts(Folder):
         self.assertEqual(len(result.document["runs"]), 4)
         self.assertIn("× plain", str(result))
         level = result.document["runs"][0]["levels"][0]
-        self.assertTrue(math.isfinite(level["measure"]["root"]["tree"]["self"]["D_eps"]))
+        self.assertTrue(math.isfinite(level["measure"]["root"]["tree"]["self"]["SE"]))
 
     @unittest.skipUnless(HAS_PANDAS, "pandas is not installed")
     def test_frames(self):
@@ -136,7 +136,7 @@ class Scripts(Folder):
         self.assertEqual(len(runs), 6)
         self.assertEqual(runs["validity_checks"].tolist(), [r["validity_checks"] for r in result.document["runs"]])
         self.assertEqual(sorted(levels[levels.strategy == "guided"].level.unique()), [0, 1])
-        self.assertIn("measure.root.tree.self.D_eps", levels.columns)
+        self.assertIn("measure.root.tree.self.SE", levels.columns)
         self.assertEqual(len(result.summary), 2)
 
     def test_warnings_of_a_script(self):
@@ -269,7 +269,7 @@ class Recorders(Folder):
     def test_figures_and_intervals(self):
         found = trellis.measure(samples(3000), PATH, lo=[0, 0], hi=[10, 10], delta=0.5)
         self.assertAlmostEqual(found.se, found.mass + found.spread)
-        self.assertAlmostEqual(found.gain, found.uniform - found.se)
+        self.assertAlmostEqual(found.above_uniform, found.uniform - found.se)
         for value, (lo, hi) in ((found.se, found.se_interval), (found.mass, found.mass_interval),
                                 (found.spread, found.spread_interval)):
             self.assertLessEqual(lo, value)

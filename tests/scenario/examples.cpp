@@ -106,11 +106,11 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples][slo
           CHECK(level["name"] == names[i]);
           CHECK(level["dimension"] == (i == 3 ? 2 : 3));
           CHECK(level["solves"] >= 1);
-          CHECK(level["measure"]["tree"]["self"]["D_eps"].is_number());
-          CHECK(level["measure"]["root"]["tree"]["self"]["D_eps"].is_number());
+          CHECK(level["measure"]["tree"]["self"]["SE"].is_number());
+          CHECK(level["measure"]["root"]["tree"]["self"]["SE"].is_number());
         }
         // An exact search proposes nothing, so it has no value for proposals.
-        CHECK(run["levels"][3]["measure"]["expansion"]["self"]["D_eps"].is_null());
+        CHECK(run["levels"][3]["measure"]["expansion"]["self"]["SE"].is_null());
       }
     }
     THEN("the report names every level and both strategies") {
@@ -332,7 +332,7 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
           const auto& tree = level["measure"]["tree"]["self"];
           CHECK(tree["N"].get<double>() < level["nodes"].get<double>());
           CHECK(tree["N"].get<double>() <= level["validity_checks"].get<double>());
-          CHECK(level["measure"]["expansion"]["self"]["D_eps"].is_null());
+          CHECK(level["measure"]["expansion"]["self"]["SE"].is_null());
         }
       }
     }
@@ -371,7 +371,7 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
         for (const auto& level : levels_of(name)) {
           if (level["measure"].is_null()) continue;
           const auto& expansion = level["measure"]["expansion"]["self"];
-          if (expansion.is_null() || expansion["D_eps"].is_null()) continue;
+          if (expansion.is_null() || expansion["SE"].is_null()) continue;
           CHECK(expansion["estimator"] == "exact");
         }
       }
@@ -486,7 +486,7 @@ SCENARIO("a guide draws controls, in Lua and in C++", "[examples][slow]") {
         for (const auto& run : runs) {
           CAPTURE(strategy, run["problem"].get<std::string>(), run["seed"].get<int>());
           CHECK(run["solved"] == true);
-          CHECK(run["levels"][0]["measure"]["expansion"]["self"]["D_eps"].is_number());
+          CHECK(run["levels"][0]["measure"]["expansion"]["self"]["SE"].is_number());
         }
       }
     }

@@ -257,7 +257,7 @@ TEST_CASE("a user's target that is the tube's gives the tube's figures") {
   CHECK(a.in_target == b.in_target);
   CHECK(a.value == Approx(b.value).margin(0.05));
   CHECK(a.unregularised == Approx(b.unregularised).margin(0.05));
-  CHECK(a.gain == Approx(b.gain).margin(0.05));
+  CHECK(a.above_uniform == Approx(b.above_uniform).margin(0.05));
   CHECK(a.mass == Approx(b.mass));
   CHECK(a.coverage == Approx(b.coverage).margin(0.02));
 }

@@ -70,8 +70,8 @@ TEST_CASE("in every scene the oracle scores 0 and uniform sampling its own diver
         REQUIRE(root.uniform);
         perfect_tree.push_back(root.oracle->tree.value - root.oracle->tree.perfect);
         perfect_expansion.push_back(root.oracle->expansion.value - root.oracle->expansion.perfect);
-        uniform_tree.push_back(root.uniform->tree.gain);
-        uniform_expansion.push_back(root.uniform->expansion.gain);
+        uniform_tree.push_back(root.uniform->tree.above_uniform);
+        uniform_expansion.push_back(root.uniform->expansion.above_uniform);
       }
       CAPTURE(scene.name, to_string(distance));
       check_perfect(perfect_tree);

@@ -102,7 +102,7 @@ TEST_CASE("an experiment runs every cell, in a fixed order", "[experiment]") {
         REQUIRE(cell.levels[0].own);
         CHECK(same(cell.levels[0].own, cell.levels[0].root));
         CHECK(std::isfinite(cell.levels[0].own->tree.value));
-        CHECK(cell.levels[0].own->tree.gain ==
+        CHECK(cell.levels[0].own->tree.above_uniform ==
               Approx(cell.levels[0].own->tree.uniform - cell.levels[0].own->tree.value));
         if (strategy == "shrunken") {
           REQUIRE(cell.levels[1].root);

@@ -123,7 +123,7 @@ class Bytes {
 
  private:
   void add(const Estimate& e) {
-    for (const double x : {e.value, e.unregularised, e.gain}) bits_.push_back(bits(x));
+    for (const double x : {e.value, e.unregularised, e.above_uniform}) bits_.push_back(bits(x));
     texts_.push_back(e.estimator);
   }
   void add(const Efficiency& e) {
@@ -533,10 +533,10 @@ TEST_CASE("progress in every direction that comes closer gains what is to be gai
       level.search.near.push_back(0);
     }
     const Ranks ranks = rank_motions(level, false, ProgressSettings{}, 1);
-    return efficiency(*ranks.target.target, ranks.samples).gain;
+    return efficiency(*ranks.target.target, ranks.samples).above_uniform;
   };
   CHECK(gain(pi) == Approx(0.0).margin(0.05));
-  // D_eps of the better half: q = 0.95 * 2 + 0.05.
+  // SE of the better half: q = 0.95 * 2 + 0.05.
   CHECK(gain(0.5 * pi) == Approx(std::log(1.95)).margin(0.05));
   CHECK(gain(0.25 * pi) < 0.0);  // half of the directions that come closer are never taken
 }
@@ -685,7 +685,7 @@ TEST_CASE("progress gives a planner's own random controls and curves nothing, an
     }
     const Ranks ranks = rank_motions(level, false, settings, 1, model.get());
     CHECK(ranks.samples.size() == 1500);
-    return efficiency(*ranks.target.target, ranks.samples).gain;
+    return efficiency(*ranks.target.target, ranks.samples).above_uniform;
   };
   CHECK(gain(1, false) == Approx(0.0).margin(0.07));
   CHECK(gain(0, true) == Approx(0.0).margin(0.07));

@@ -632,7 +632,7 @@ TEST_CASE("the costs of an experiment are those of its document", "[report][cost
       e->parts.spread = 0.1 * e->value;
     }
     run.levels.front().root_cross = root;
-    run.levels.front().root_cross->tree.gain -= 0.1;
+    run.levels.front().root_cross->tree.above_uniform -= 0.1;
   }
   CostData read;
   add(read, fixture::report_json(experiment, result, ""), "results.json");

@@ -157,7 +157,7 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
   SECTION("figures that are infinite or missing leave a picture that can be read") {
     add_profiles(result);
     result.runs[0].levels[0].root->tree.value = infinity;
-    result.runs[0].levels[0].root->tree.gain = -infinity;
+    result.runs[0].levels[0].root->tree.above_uniform = -infinity;
     result.runs[1].levels[0].root->tree = fixture::no_figure(not_a_number);
     const Folder folder;
     write_figures(summarise(facts_of(experiment, result)), folder.path().string());
@@ -196,7 +196,7 @@ TEST_CASE("the plane has a point for each level and an arrow to each from what g
   for (std::size_t i = 0; i < 4; ++i) {
     const draw::Series& point = tree.series[i + 1];
     const Figure& lifted = summary.levels[i].root.tree;
-    const double mass = lifted["D_uniform"].value - lifted["D_eps_parts.mass"].value;
+    const double mass = lifted["D_uniform"].value - lifted["SE_parts.mass"].value;
     const AboveUniform above = headline(summary.levels[i], SampleRole::tree).above;
     CHECK(point.x.front() == Approx(mass));
     CHECK(point.y.front() == Approx(0.5 * (above.lo + above.hi) - mass));
@@ -443,8 +443,8 @@ TEST_CASE("a run without a path lowers the success and stays in the cross figure
   CHECK(summary.success.value == 0.75);
   const Figure& cross = summary.levels.front().root_cross.tree;
   CHECK(cross.scored == 4);
-  CHECK(cross["D_eps"].value == 2.5);
-  CHECK(cross["D_eps"].n == 4);
+  CHECK(cross["SE"].value == 2.5);
+  CHECK(cross["SE"].n == 4);
   CHECK(summary.levels.front().root.tree.scored == 0);
   // One that is infinite is counted, and the median takes the mean's place.
   result.runs[1].levels.front().root_cross->tree.unregularised = infinity;

@@ -147,7 +147,7 @@ TEST_CASE("nothing impossible is shown", "[chain]") {
   const Efficiency s = shown(e);
   CHECK(s.unregularised == 0.4);
   CHECK(s.value == Approx(regularised_mass(0.4, 2.0)));
-  CHECK(s.gain == Approx(2.0 - s.value));
+  CHECK(s.above_uniform == Approx(2.0 - s.value));
   for (const ChainRule* parts : {&s.parts, &s.unregularised_parts}) {
     CHECK(parts->mass >= 0.0);
     CHECK(parts->spread >= 0.0);
@@ -203,8 +203,7 @@ TEST_CASE("perfect guidance scores 0 and uniform sampling its own divergence, wi
     CAPTURE(one.name);
     // 99 %, and what estimators err by where the truth is 0 (docs/measure.md).
     constexpr double accuracy = 0.01;
-    for (const auto& [what, values] :
-         {std::pair{"D", oracle}, {"D_eps", value}, {"exact", exact}, {"uniform", blind}}) {
+    for (const auto& [what, values] : {std::pair{"D", oracle}, {"SE", value}, {"exact", exact}, {"uniform", blind}}) {
       const Interval interval = student_interval(values, 0.99);
       CAPTURE(what, interval.value, interval.lo, interval.hi);
       CHECK(interval.lo <= accuracy);

@@ -164,7 +164,7 @@ TEST_CASE("Uniform sampling has no gain and the target itself no divergence, pla
     const Efficiency uniform = efficiency(target, uniform_samples(space, 20000, 1));
     CHECK(uniform.uniform == target.uniform());
     CHECK(uniform.value == Approx(uniform.uniform).margin(0.12));
-    CHECK(uniform.gain == uniform.uniform - uniform.value);
+    CHECK(uniform.above_uniform == uniform.uniform - uniform.value);
     CHECK(uniform.estimator == "knn");
     CHECK(uniform.samples == 20000);
     const Efficiency self = efficiency(target, target_samples(target, 2000, 1));
@@ -191,7 +191,7 @@ TEST_CASE("Samples that never reach A are censored, with a value near its bound"
   CHECK(e.coverage == 0.0);
   CHECK(e.value < std::log(1 / 0.05) + e.uniform);
   CHECK(e.value == Approx(std::log(1 / 0.05) + e.uniform).margin(0.2));
-  CHECK(e.gain < 0);
+  CHECK(e.above_uniform < 0);
 }
 
 TEST_CASE("An atom at the goal costs its mass and nothing else") {
@@ -229,7 +229,7 @@ TEST_CASE("Few samples, equal samples and none give a reason and no number") {
   const Efficiency none = efficiency(target, Configurations(3));
   CHECK(std::isnan(none.value));
   CHECK(std::isnan(none.unregularised));
-  CHECK(std::isnan(none.gain));
+  CHECK(std::isnan(none.above_uniform));
   CHECK(none.uniform == target.uniform());
   CHECK(flagged(none, "too few samples"));
   CHECK(std::isnan(efficiency(target, Configurations()).value));

@@ -73,11 +73,12 @@ bool flagged(const Efficiency& e, const std::string& flag) {
 
 /// Every figure of an efficiency in a row.
 std::vector<double> figures(const Efficiency& e) {
-  std::vector<double> row = {e.uniform,       e.mass, e.mass_lower95,     e.coverage,     e.free_share,       e.value,
-                             e.unregularised, e.gain, e.along.divergence, e.along.length, e.along.empty_share};
+  std::vector<double> row = {e.uniform,          e.mass,         e.mass_lower95,     e.coverage,
+                             e.free_share,       e.value,        e.unregularised,    e.above_uniform,
+                             e.along.divergence, e.along.length, e.along.empty_share};
   for (const auto& shares : {e.along.target, e.along.samples}) row.insert(row.end(), shares.begin(), shares.end());
   for (const Estimate& other : e.others) {
-    row.insert(row.end(), {other.value, other.unregularised, other.gain});
+    row.insert(row.end(), {other.value, other.unregularised, other.above_uniform});
   }
   return row;
 }
@@ -104,7 +105,7 @@ Efficiency made(double value, double unregularised, std::size_t in_target) {
   e.value = value;
   e.unregularised = unregularised;
   e.uniform = 2.5;
-  e.gain = 2.5 - value;
+  e.above_uniform = 2.5 - value;
   e.samples = 100;
   e.in_target = in_target;
   return e;
@@ -404,7 +405,7 @@ TEST_CASE("Results of too few samples are flagged") {
     CAPTURE(k, e.reason);
     CHECK(std::isnan(e.value) == (k > 11));
     CHECK(std::isnan(e.unregularised) == (k > 11));
-    CHECK(std::isnan(e.gain) == (k > 11));
+    CHECK(std::isnan(e.above_uniform) == (k > 11));
     CHECK(flagged(e, "too few samples") == (k > 11));
     CHECK_FALSE(std::isnan(e.coverage));
     CHECK_FALSE(std::isnan(e.mass_lower95));
@@ -475,7 +476,7 @@ TEST_CASE("Input that makes no figure is refused with what is wrong and what was
   for (const EstimatorSpec& spec : all_kinds()) {
     const Efficiency e = by(spec, invalid, cloud(100, 1));
     CHECK(e.reason == "the target is empty: no valid configuration lies in it");
-    for (const double figure : {e.value, e.unregularised, e.gain, e.mass, e.uniform, e.coverage}) {
+    for (const double figure : {e.value, e.unregularised, e.above_uniform, e.mass, e.uniform, e.coverage}) {
       CHECK(std::isnan(figure));
     }
   }
@@ -538,7 +539,7 @@ TEST_CASE("Figures of several targets are averaged over those that have them, an
   const Efficiency m = mean(all);
   CHECK(m.value == 1.5);
   CHECK(m.unregularised == infinity);
-  CHECK(m.gain == 1.0);
+  CHECK(m.above_uniform == 1.0);
   CHECK(m.uniform == 2.5);
   CHECK(m.samples == 100);
   CHECK(m.in_target == 7);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The interval of D_eps that samples support: it holds the truth, or is blank.
+// The interval of SE that samples support: it holds the truth, or is blank.
 #include <cmath>
 #include <cstdlib>
 

@@ -71,7 +71,7 @@ inline Efficiency efficiency(double uniform, double value, std::size_t samples) 
   e.value_hi = few ? 4.5 : value + 0.3;
   e.unregularised = value + 0.01;
   e.uniform = uniform;
-  e.gain = uniform - value;
+  e.above_uniform = uniform - value;
   e.coverage = 0.8;
   e.samples = samples;
   e.in_target = samples / 10;
@@ -187,7 +187,7 @@ inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed,
   if (seed <= 2) shrink.own->tree.flags = {"underpowered", "partial"};
   if (seed == 1) {
     lazy.own->expansion.value = std::numeric_limits<double>::infinity();
-    lazy.own->expansion.gain = -std::numeric_limits<double>::infinity();
+    lazy.own->expansion.above_uniform = -std::numeric_limits<double>::infinity();
   }
   if (solved) {
     root.root = Scores{efficiency(2.41, 1.02 + wobble, nodes), efficiency(2.41, 1.11 - wobble, 2 * nodes)};

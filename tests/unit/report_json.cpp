@@ -109,10 +109,10 @@ TEST_CASE("JSON figures", "[report][json]") {
 
   const Efficiency& tree = result.runs[17].levels[0].own->tree;
   const json& out = run.at("levels").at(0).at("measure").at("tree").at("self");
-  CHECK(out.at("D_eps").get<double>() == tree.value);
+  CHECK(out.at("SE").get<double>() == tree.value);
   CHECK(out.at("D").get<double>() == tree.unregularised);
   CHECK(out.at("D_uniform").get<double>() == tree.uniform);
-  CHECK(out.at("gain").get<double>() == tree.gain);
+  CHECK(out.at("above_uniform").get<double>() == tree.above_uniform);
   CHECK(out.at("estimator") == "knn");
   CHECK(out.at("N") == tree.samples);
   CHECK(out.at("flags") == json::array());
@@ -122,7 +122,7 @@ TEST_CASE("JSON figures", "[report][json]") {
   const json& skeleton = run.at("levels").at(3);
   CHECK(skeleton.at("proposals") == 0);
   const json& none = skeleton.at("measure").at("expansion").at("self");
-  for (const char* name : {"D", "D_eps", "gain", "coverage", "estimator"}) CHECK(none.at(name).is_null());
+  for (const char* name : {"D", "SE", "above_uniform", "coverage", "estimator"}) CHECK(none.at(name).is_null());
   CHECK(none.at("N") == 0);
   const json& censored = skeleton.at("measure").at("root").at("tree").at("self");
   CHECK(censored.at("D") == "inf");
@@ -145,7 +145,7 @@ TEST_CASE("JSON summary", "[report][json]") {
   CHECK(plain.at("success").at("value").get<double>() == Approx(14.0 / 15.0));
   CHECK(plain.at("length").at("n") == 14);
   const json& figure =
-      document.at("summary").at(1).at("levels").at(1).at("measure").at("expansion").at("self").at("D_eps");
+      document.at("summary").at(1).at("levels").at(1).at("measure").at("expansion").at("self").at("SE");
   CHECK(figure.at("statistic") == "median");
   CHECK(figure.at("infinite") == 1);
   CHECK(figure.at("lo").is_null());

@@ -383,7 +383,7 @@ TEST_CASE("the ends of an interval do not cross where only some runs have sample
   figure.estimators = {"exact"};
   figure["D_perfect"].value = 0.05;
   figure["D_uniform"].value = 1.9;  // of all runs; of the one with samples it is 2
-  figure["D_eps_lo"].value = figure["D_eps_hi"].value = 4.95;
+  figure["SE_lo"].value = figure["SE_hi"].value = 4.95;
   const AboveUniform above = above_uniform(figure);
   CHECK(above.lo <= above.hi);
   CHECK(above.hi == Approx(std::log(uniform_mix)));
@@ -396,7 +396,7 @@ TEST_CASE("nats are what the samples support, and exact for proposals of a recor
     Efficiency& proposals = run.levels.front().root->expansion;
     proposals.estimator = "exact";
     proposals.value = proposals.value_lo = proposals.value_hi = 4.76;
-    proposals.gain = proposals.uniform - proposals.value;
+    proposals.above_uniform = proposals.uniform - proposals.value;
     proposals.in_target = 3;
     proposals.flags = {"underpowered"};
     Efficiency& nodes = run.levels.front().root->tree;

@@ -110,10 +110,10 @@ TEST_CASE("the values are one to a line, and none is infinite without being coun
   const auto [experiment, result] = published();
   const auto lines = lines_of(fixture::report_csv(experiment, result));
   CHECK(lines.front() == "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite");
-  CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,arc,D_eps,30,30,30,14,0") == 1);
+  CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,arc,SE,30,30,30,14,0") == 1);
   // A name with a comma and quotes is quoted; the strategy that solved nothing has figures on others' paths at most.
   CHECK(std::any_of(lines.begin(), lines.end(), [](const auto& l) {
-    return l.starts_with("\"a|b, \"\"c\"\"\",nested,tree,own,headline,D_eps,,,,0,0");
+    return l.starts_with("\"a|b, \"\"c\"\"\",nested,tree,own,headline,SE,,,,0,0");
   }));
   CHECK(std::any_of(lines.begin(), lines.end(),
                     [](const auto& l) { return l.starts_with("\"a|b, \"\"c\"\"\",nested,,,,success,0,"); }));
@@ -150,7 +150,7 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
       e->perfect = 0.05;
       e->value_lo = least_value(*e);
       e->value_hi = 0.9;
-      e->gain = e->uniform - e->value;
+      e->above_uniform = e->uniform - e->value;
       e->parts = {.mass = 0.6, .spread = -1.0};
     }
     root.own = root.root;
@@ -165,8 +165,8 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
   CHECK(text.find(bound) != std::string::npos);
   CHECK(text.find("≥ 0.35<br>≥ 0.35") != std::string::npos);  // D
   for (const std::string& line : lines_of(fixture::report_csv(experiment, result))) {
-    const bool divergence = line.find(",D_eps,") != std::string::npos || line.find(",D,") != std::string::npos ||
-                            line.find(",D_eps_parts.spread,") != std::string::npos;
+    const bool divergence = line.find(",SE,") != std::string::npos || line.find(",D,") != std::string::npos ||
+                            line.find(",SE_parts.spread,") != std::string::npos;
     if (divergence) CHECK(line.find(",-") == std::string::npos);
   }
 }
@@ -270,13 +270,13 @@ TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
     CHECK(cells["length"].empty() == !run.run.solved);
     CHECK(cells["levels"] == std::to_string(run.levels.size()));
     const auto& root = run.levels.front().own;
-    CHECK(cells["tree_D_eps"].empty() == (!root || std::isnan(root->tree.value)));
-    if (cells["tree_D_eps"].empty()) continue;
+    CHECK(cells["tree_SE"].empty() == (!root || std::isnan(root->tree.value)));
+    if (cells["tree_SE"].empty()) continue;
     const Efficiency& tree = root->tree;
-    CHECK(std::stod(cells["tree_D_eps"]) == tree.value);
+    CHECK(std::stod(cells["tree_SE"]) == tree.value);
     CHECK(std::stod(cells["tree_D_uniform"]) == tree.uniform);
     const std::map<std::string, double> measured = {
-        {"tree_D_eps_parts.mass", tree.parts.mass}, {"tree_D_eps_lo", tree.value_lo}, {"tree_D_eps_hi", tree.value_hi}};
+        {"tree_SE_parts.mass", tree.parts.mass}, {"tree_SE_lo", tree.value_lo}, {"tree_SE_hi", tree.value_hi}};
     for (const auto& [name, value] : measured) {
       CHECK(cells[name].empty() == std::isnan(value));
       if (!cells[name].empty()) CHECK(std::stod(cells[name]) == value);

@@ -57,7 +57,7 @@ TEST_CASE("a measured set keeps the estimates that bounds replace", "[report]") 
   scored.mass = 1.2;
   scored.mass_lower95 = 1.0;
   scored.unregularised = 0.4;
-  scored.others.push_back(Estimate{.estimator = "arc", .value = -0.2, .unregularised = -0.3, .gain = 2.6});
+  scored.others.push_back(Estimate{.estimator = "arc", .value = -0.2, .unregularised = -0.3, .above_uniform = 2.6});
   RunResult run = fixture::plain_run("p", 1, true);
   run.levels.front().own = Scores{scored, scored};
   const std::string line = run_line(facts_of(run));

@@ -28,7 +28,7 @@ struct Case {
   std::function<std::shared_ptr<const Target>(std::uint64_t)> remake;
   std::function<void(Stream&, MutableView)> draw;
   double d = 0.0;              ///< D(T || Q)
-  double d_regularised = 0.0;  ///< D_eps, eps = 0.05
+  double d_regularised = 0.0;  ///< SE, eps = 0.05
   bool standard = false;       ///< one of the four that the required error is taken over
   bool mendable = true;        ///< false: no estimator can be right
 
@@ -56,12 +56,12 @@ inline bool anywhere(View) { return true; }
 /// Volume of the unit ball.
 inline double ball(std::size_t d) { return std::exp(log_unit_ball(d)); }
 
-/// D_eps where Q has the density q throughout A.
+/// SE where Q has the density q throughout A.
 inline double constant_regularised(double log_a, double log_c, double q) {
   return -log_a - std::log((1.0 - uniform_mix) * q + uniform_mix * std::exp(-log_c));
 }
 
-/// D and D_eps of a known density, over all points of a large target.
+/// D and SE of a known density, over all points of a large target.
 inline std::pair<double, double> integrate(const Target& target, const std::function<double(View)>& density) {
   double plain = 0.0;
   double regularised = 0.0;
@@ -276,7 +276,7 @@ inline std::vector<Case> closed_cases() {
                    constant_regularised(std::log(capsule_volume), log_c, 0.9 * std::exp(-log_c))});
 
   const double bound = std::log(1 / uniform_mix) + log_c - std::log(capsule_volume);
-  cases.push_back({"disjoint", "uniform where x2 > 7: D = inf, D_eps = log(1/eps) + uniform", capsule, make_capsule,
+  cases.push_back({"disjoint", "uniform where x2 > 7: D = inf, SE = log(1/eps) + uniform", capsule, make_capsule,
                    [plane](Stream& s, MutableView x) {
                      plane.sample_uniform(s, x);
                      x[1] = s.uniform(7, 10);

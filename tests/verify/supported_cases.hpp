@@ -102,7 +102,7 @@ struct SupportedCase {
   std::string name;
   std::string kind;  ///< thin, thick, split, atomic, uniform
   std::function<void(Stream&, MutableView)> draw;
-  double truth = 0.0;  ///< D_eps
+  double truth = 0.0;  ///< SE
 };
 
 inline std::vector<SupportedCase> supported_cases(std::size_t dimension) {

@@ -138,13 +138,13 @@ std::string cell(const std::string& text) {
 void error_tables(Report& report, const std::vector<Case>& cases) {
   const EstimatorSpec knn = EstimatorSpec::make("knn");
   report.text += fmt::format(
-      "### Bias and spread\n\nThe error of D_eps by the default estimator over {} repetitions: mean ± standard "
+      "### Bias and spread\n\nThe error of SE by the default estimator over {} repetitions: mean ± standard "
       "deviation, in nats. `D inf` counts the repetitions where D was given as infinite.\n\n"
-      "| case | D | D_eps | N = 300 | N = 1000 | N = 3000 | D inf at 1000 | flags at 1000 |\n"
+      "| case | D | SE | N = 300 | N = 1000 | N = 3000 | D inf at 1000 | flags at 1000 |\n"
       "|---|---|---|---|---|---|---|---|\n",
       report.repetitions);
   draw::Figure figure;
-  figure.title = "Error of knn's D_eps where the truth is known";
+  figure.title = "Error of knn's SE where the truth is known";
   figure.caption = fmt::format("Mean and standard deviation over {} repetitions.", report.repetitions);
   figure.width = 640;
   figure.columns = 1;
@@ -171,7 +171,7 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
         report.require(m.plain.infinite == report.repetitions, c.name + ": D is inf in every repetition");
         report.require(std::all_of(m.values.begin(), m.values.end(),
                                    [&](double v) { return v <= c.d_regularised + 0.01 && v > c.d_regularised - 0.15; }),
-                       fmt::format("{}: D_eps at its bound log(1/eps) + uniform = {:.3f}, but for the half sample that "
+                       fmt::format("{}: SE at its bound log(1/eps) + uniform = {:.3f}, but for the half sample that "
                                    "N samples without a hit leave possible ({:+.3f} at N = 1000)",
                                    c.name, c.d_regularised, m.regularised.bias));
       }
@@ -197,7 +197,7 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
 
 void estimator_table(Report& report, const std::vector<Case>& cases) {
   report.text +=
-      "### The four standard cases, by estimator\n\nRMSE of D_eps over the four standard cases (uniform, elsewhere, "
+      "### The four standard cases, by estimator\n\nRMSE of SE over the four standard cases (uniform, elsewhere, "
       "tree-like, T itself).\n\n| estimator | R^2, 300 | R^2, 1000 | R^2, 3000 | SE(2), 300 | SE(2), 1000 | SE(2), "
       "3000 "
       "| repetitions |\n|---|---|---|---|---|---|---|---|\n";
@@ -335,7 +335,7 @@ void exact_table(Report& report) {
       "recorded density: nested strategy (skeleton >> shrink >> lazy >> rrt), seed 1, its own path. Beside it `knn` on "
       "the N samples: the proposals lie in a thin tube of SE(2), the target holds all headings, and so few samples "
       "cannot show how little is proposed elsewhere. The report says so where the two disagree.\n\n"
-      "| scene | level | D_eps, 8192 points | D_eps, 2^18 points | difference | N | `knn` |\n"
+      "| scene | level | SE, 8192 points | SE, 2^18 points | difference | N | `knn` |\n"
       "|---|---|---|---|---|---|---|\n";
   double worst = 0.0;
   const StrategySpec nested = GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}) >>
@@ -376,10 +376,10 @@ void spatial_table(Report& report) {
       "in "
       "bent tubes of SE(3) and of R^3 x SO(3) x S^1: weight 0.5 m, delta 0.5 m, a world of 10 m. Nothing is lost "
       "across "
-      "the path, so the bound is the divergence. RMSE of D_eps over {} repetitions by the expected number of samples "
+      "the path, so the bound is the divergence. RMSE of SE over {} repetitions by the expected number of samples "
       "in "
       "the target, n; N = n / 0.3. Beside it `knn`, over {} repetitions.\n\n"
-      "| case | uniform | D_eps | n = 100 | n = 300 | n = 1000 | n = 3000 | `knn`, n = 300 | `knn`, n = 1000 |\n"
+      "| case | uniform | SE | n = 100 | n = 300 | n = 1000 | n = 3000 | `knn`, n = 300 | `knn`, n = 1000 |\n"
       "|---|---|---|---|---|---|---|---|---|\n",
       repetitions, few);
   const EstimatorSpec arc = EstimatorSpec::make("arc");
@@ -421,12 +421,12 @@ std::size_t most_misses(std::size_t repetitions) {
   return repetitions;
 }
 
-/// The interval of D_eps that samples support, for samples that fill the target or leave parts of it empty.
+/// The interval of SE that samples support, for samples that fill the target or leave parts of it empty.
 void supported_table(Report& report) {
   const std::vector<std::size_t> counts = {20, 40, 100, 300, 1000, 3000};
   const std::size_t repetitions = std::min<std::size_t>(40, report.repetitions);
   report.text += fmt::format(
-      "### The interval, case by case\n\nThe interval of D_eps for N samples in and about a straight tube (radius 0.5 "
+      "### The interval, case by case\n\nThe interval of SE for N samples in and about a straight tube (radius 0.5 "
       "m, "
       "length 8 m; SE(2): all headings): the mean of its ends over {} repetitions, the share of them whose interval is "
       "printed, and, where any missed, that of the printed ones that hold the truth. Without a share: blank in all.\n",

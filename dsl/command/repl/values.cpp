@@ -45,10 +45,10 @@ void push_efficiency(Stack& call, const Efficiency& e) {
     call.push(x);
     call.set_field(table, name);
   };
-  set("value", e.value);
-  set("value_lo", e.value_lo);
-  set("value_hi", e.value_hi);
-  set("gain", e.gain);
+  set("SE", e.value);
+  set("SE_lo", e.value_lo);
+  set("SE_hi", e.value_hi);
+  set("above_uniform", e.above_uniform);
   set("uniform", e.uniform);
   set("coverage", e.coverage);
   push_count(call, e.samples);

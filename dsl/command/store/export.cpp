@@ -204,14 +204,14 @@ std::vector<Column> level_columns() {
           {"time_s", "REAL", "/time_s"},
           {"status", "TEXT NOT NULL", "/status"},
           {"solved", "INTEGER NOT NULL", "/solved"},
-          {"tree_D_eps", "REAL", "/measure/tree/self/D_eps"},
-          {"tree_gain", "REAL", "/measure/tree/self/gain"},
-          {"expansion_D_eps", "REAL", "/measure/expansion/self/D_eps"},
-          {"expansion_gain", "REAL", "/measure/expansion/self/gain"},
-          {"root_tree_D_eps", "REAL", "/measure/root/tree/self/D_eps"},
-          {"root_tree_gain", "REAL", "/measure/root/tree/self/gain"},
-          {"root_expansion_D_eps", "REAL", "/measure/root/expansion/self/D_eps"},
-          {"root_expansion_gain", "REAL", "/measure/root/expansion/self/gain"},
+          {"tree_SE", "REAL", "/measure/tree/self/SE"},
+          {"tree_above_uniform", "REAL", "/measure/tree/self/above_uniform"},
+          {"expansion_SE", "REAL", "/measure/expansion/self/SE"},
+          {"expansion_above_uniform", "REAL", "/measure/expansion/self/above_uniform"},
+          {"root_tree_SE", "REAL", "/measure/root/tree/self/SE"},
+          {"root_tree_above_uniform", "REAL", "/measure/root/tree/self/above_uniform"},
+          {"root_expansion_SE", "REAL", "/measure/root/expansion/self/SE"},
+          {"root_expansion_above_uniform", "REAL", "/measure/root/expansion/self/above_uniform"},
           {"tree_coverage", "REAL", "/measure/tree/self/coverage"}};
 }
 
@@ -304,8 +304,8 @@ std::vector<Column> arena_run_columns() {
           {"motion_checks", "INTEGER", "/motion_checks"},
           {"iterations", "INTEGER", "/levels/0/proposals"},
           {"graph_states", "INTEGER", "/levels/0/nodes"},
-          {"tree_gain", "REAL", "/levels/0/measure/tree/self/gain"},
-          {"expansion_gain", "REAL", "/levels/0/measure/expansion/self/gain"},
+          {"tree_above_uniform", "REAL", "/levels/0/measure/tree/self/above_uniform"},
+          {"expansion_above_uniform", "REAL", "/levels/0/measure/expansion/self/above_uniform"},
           {"tree_coverage", "REAL", "/levels/0/measure/tree/self/coverage"},
           {"seed", "INTEGER", "/seed"}};
 }

@@ -267,7 +267,7 @@ struct ExperimentFacts {
 inline constexpr std::size_t most_single_problems = 6;
 
 /// The format of the document that this version writes. Documents of another one have no reports.
-inline constexpr int document_format = 2;
+inline constexpr int document_format = 3;
 
 /// Sets what the object `experiment` of a document has. May throw exceptions of the JSON library.
 void read_experiment(const std::string& line, ExperimentFacts& facts);

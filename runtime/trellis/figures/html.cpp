@@ -90,7 +90,7 @@ class Marks {
  public:
   std::string of(const Figure& figure) {
     std::string out;
-    if (figure["D_eps"].infinite > 0) add(median_mark, "infinite in some runs, so the median of all", "", out);
+    if (figure["SE"].infinite > 0) add(median_mark, "infinite in some runs, so the median of all", "", out);
     for (const auto& [flag, runs] : figure.flags) {
       const char mark = mark_of(flag);
       const auto* const note = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.mark == mark; });
@@ -115,35 +115,29 @@ class Marks {
   std::map<char, std::string> meanings_;
 };
 
-/// Returns "+0.42…+1.20" with the scale as a tooltip; blank where the samples do not support an interval.
+/// Returns "+0.42…+1.20" ; blank where the samples do not support an interval.
 std::string above_html(const AboveUniform& above) {
   if (std::isnan(above.lo)) return "-";
   if (!above.blank.empty()) return fmt::format(R"(<span class="muted" title="{}">blank</span>)", escaped(above.blank));
   if (!std::isfinite(above.lo)) return "-";
-  std::string text = ends_text(above.lo, above.hi);
-  if (!std::isfinite(above.scale_lo)) return text;
-  return fmt::format(R"(<span title="{} on the scale from perfect guidance, 0, to uniform sampling, 1{}">{}</span>)",
-                     ends_text(above.scale_lo, above.scale_hi, false), above.exact ? "; by recorded densities" : "",
-                     text);
+  const std::string text = ends_text(above.lo, above.hi);
+  return above.exact ? fmt::format(R"(<span title="by recorded densities">{}</span>)", text) : text;
 }
 
 std::string figure_cell(const Figure& figure, Marks& marks) {
   return fmt::format(R"(<td class="figure">{}{}</td>)", above_html(above_uniform(figure)), marks.of(figure));
 }
 
-/// The figure of all seeds together, and where it is on the scale.
-std::string headline_cells(const LevelSummary& level, SampleRole role) {
+/// The figure of all seeds together.
+std::string headline_cell(const LevelSummary& level, SampleRole role) {
   const Headline found = headline(level, role);
   const AboveUniform single = over_runs(level, role).above;
   std::string mark;
   if (found.seeds > 0 && disagree(found.above, single)) {
     mark = fmt::format(R"(<abbr title="single runs: {}">≠</abbr>)", ends_text(single.lo, single.hi));
   }
-  const std::string scale = found.above.printed() && std::isfinite(found.above.scale_lo)
-                                ? ends_text(found.above.scale_lo, found.above.scale_hi, false)
-                                : "";
   const std::string nats = found.seeds > 0 || found.runs > 0 ? above_html(found.above) : "-";
-  return fmt::format(R"(<td class="figure">{}{}</td><td class="figure">{}</td>)", nats, mark, scale);
+  return fmt::format(R"(<td class="figure">{}{}</td>)", nats, mark);
 }
 
 std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
@@ -201,10 +195,10 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
     const LevelSummary& root = root_of(s);
     const FigurePair& own = root.root;
     const FigurePair& cross = root.root_cross;
-    out += headline_cells(root, SampleRole::tree);
+    out += headline_cell(root, SampleRole::tree);
     out += figure_cell(own.tree, marks);
     if (crossed) out += figure_cell(cross.tree, marks);
-    out += headline_cells(root, SampleRole::expansion);
+    out += headline_cell(root, SampleRole::expansion);
     out += figure_cell(own.expansion, marks);
     if (crossed) out += figure_cell(cross.expansion, marks);
   }
@@ -237,7 +231,7 @@ std::string nats_notes(const HtmlContent& content, bool pooled) {
   std::string out = fmt::format(
       "<p class=\"muted\">a…b: the interval that the samples support, with 95 %; blank: too few samples to show on "
       "which "
-      "side of uniform sampling they are; scale: 0 perfect guidance, 1 uniform sampling{}</p>\n",
+      "side of uniform sampling they are{}</p>\n",
       pooled ? "; all seeds: their samples together, on the paths of a seed left out" : "");
   std::string items;
   for (const ProblemSummary& problem : content.summary.problems) {
@@ -278,7 +272,7 @@ std::string summary_table(const HtmlContent& content) {
   }
   std::vector<Columns> columns = {{"", {"solved"}}};
   if (experiment.measured) {
-    std::vector<std::string> paths = {shown.pooled ? "all seeds" : "headline", "scale", "own path"};
+    std::vector<std::string> paths = {shown.pooled ? "all seeds" : "headline", "own path"};
     if (shown.crossed) paths.emplace_back("other seeds’");
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
@@ -364,7 +358,7 @@ std::string level_table(const StrategySummary& of, bool measured) {
       std::any_of(summary.levels.begin(), summary.levels.end(), [](const LevelSummary& l) { return l.guided; });
   if (guided) columns.push_back({"checks by, medians", {"guided proposals", "unguided proposals", "levels below"}});
   if (measured) {
-    std::vector<std::string> paths = {pooled ? "all seeds" : "headline", "scale", "own space", "lifted"};
+    std::vector<std::string> paths = {pooled ? "all seeds" : "headline", "own space", "lifted"};
     if (crossed) paths.emplace_back("other seeds’");
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
@@ -396,7 +390,7 @@ std::string level_table(const StrategySummary& of, bool measured) {
     }
     if (measured) {
       for (const auto role : {&FigurePair::tree, &FigurePair::expansion}) {
-        body += headline_cells(level, role == &FigurePair::tree ? SampleRole::tree : SampleRole::expansion);
+        body += headline_cell(level, role == &FigurePair::tree ? SampleRole::tree : SampleRole::expansion);
         body += figure_cell(level.own.*role, marks) + figure_cell(level.root.*role, marks);
         if (crossed) body += figure_cell(level.root_cross.*role, marks);
       }

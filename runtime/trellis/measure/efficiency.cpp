@@ -267,7 +267,7 @@ double mean_of(std::span<const Figure> figures, Field field) {
 Estimate mean_estimate(std::span<const Estimate> estimates) {
   Estimate result;
   result.estimator = estimates.front().estimator;
-  for (double Estimate::*field : {&Estimate::value, &Estimate::unregularised, &Estimate::gain}) {
+  for (double Estimate::*field : {&Estimate::value, &Estimate::unregularised, &Estimate::above_uniform}) {
     result.*field = mean_of(estimates, [&](const Estimate& e) { return e.*field; });
   }
   for (ChainRule Estimate::*parts : {&Estimate::parts, &Estimate::unregularised_parts}) {
@@ -330,11 +330,6 @@ std::string blank_reason(double lo, double hi, double uniform) {
   return "too few samples to show on which side of uniform sampling they are";
 }
 
-double on_scale(double value, double perfect, double uniform) {
-  if (covers_space(uniform)) return std::numeric_limits<double>::quiet_NaN();
-  return (value - perfect) / (uniform - perfect);
-}
-
 bool covers_space(double uniform) { return uniform < least_scale; }
 
 double least_value(const Efficiency& efficiency) {
@@ -361,7 +356,7 @@ Efficiency shown(Efficiency efficiency) {
     bound(e.unregularised, e.unregularised_parts, certain);
     const double least = least_value(efficiency);
     bound(e.value, e.parts, std::isnan(least) ? 0.0 : least);
-    if (!std::isnan(e.value)) e.gain = efficiency.uniform - e.value;
+    if (!std::isnan(e.value)) e.above_uniform = efficiency.uniform - e.value;
   };
   show(efficiency);
   for (Estimate& other : efficiency.others) show(other);

@@ -24,7 +24,7 @@ struct Efficiency : Estimate {
   /// log|C| - log|A|, the divergence of uniform sampling of C.
   double uniform = std::numeric_limits<double>::quiet_NaN();
   /// The `value` of perfect guidance, samples of T itself; positive because of the 5 % uniform samples in the mixture.
-  /// `perfect` and `uniform` are the ends of the scale. NaN where T is not uniform.
+  /// NaN where T is not uniform.
   double perfect = std::numeric_limits<double>::quiet_NaN();
   /// The 95 % interval of `value` that the samples support: counting certifies the lower end, and the upper end allows
   /// for what so many samples cannot show. Equal to `value` for `exact`. NaN where T is not uniform or not scored.
@@ -91,25 +91,20 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
 /// \throws Error for samples of another space than the target's.
 Efficiency efficiency(const Target& target, const PreparedSamples& samples, const Scoring& scoring = {});
 
-/// Returns the lower bound of D_eps, in nats, that follows from the bound of the mass; NaN where T is not uniform.
+/// Returns the lower bound of SE, in nats, that follows from the bound of the mass; NaN where T is not uniform.
 double least_value(const Efficiency& efficiency);
 
 /// Returns the values as reports show them: where an estimate lies below its certain bound, the bound replaces it. D is
-/// at least `mass_lower95`, D_eps at least its consequence, no part is negative, and the parts sum to the whole. Means
+/// at least `mass_lower95`, SE at least its consequence, no part is negative, and the parts sum to the whole. Means
 /// over runs must use the estimates themselves; otherwise they are biased.
 Efficiency shown(Efficiency efficiency);
 
-/// Returns why an interval of D_eps shows too little to be printed; "" where it shows on which side of uniform sampling
+/// Returns why an interval of SE shows too little to be printed; "" where it shows on which side of uniform sampling
 /// the samples are, or is at most `most_width` wide.
-/// \param lo, hi  ends of the interval of D_eps, nats
-/// \param uniform  D_eps of uniform sampling, nats
+/// \param lo, hi  ends of the interval of SE, nats
+/// \param uniform  SE of uniform sampling, nats
 std::string blank_reason(double lo, double hi, double uniform);
 inline constexpr double most_width = 1.0;  ///< nats
-
-/// Returns a value of D_eps on the scale from perfect guidance, 0, to uniform sampling, 1. NaN where one of them is
-/// unknown, and for a target that covers the space.
-/// \param value, perfect, uniform  nats
-double on_scale(double value, double perfect, double uniform);
 
 /// Whether a target leaves nothing to show: uniform sampling is within `least_scale` of perfect guidance, because the
 /// target covers nearly the whole space.

@@ -54,7 +54,7 @@ Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log
   Estimate result;
   result.unregularised = (own - plain) / count;
   result.value = (own - regularised) / count;
-  result.gain = target.uniform() - result.value;
+  result.above_uniform = target.uniform() - result.value;
   return result;
 }
 

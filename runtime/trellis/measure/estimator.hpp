@@ -37,14 +37,14 @@ double regularised_mass(double mass, double uniform);
 /// The result of one estimator for a set of samples, in nats. A missing value is NaN.
 struct Estimate {
   std::string estimator = "knn";
-  /// D_eps, the headline: D(T || (1-eps) Q + eps Uniform(C)), eps = 0.05; finite for every Q with samples, at most
+  /// SE, the headline: D(T || (1-eps) Q + eps Uniform(C)), eps = 0.05; finite for every Q with samples, at most
   /// log(1/eps) + uniform.
   double value = std::numeric_limits<double>::quiet_NaN();
   /// D(T || Q) of the samples as they are, with nothing mixed in; +inf where Q has no density on a part of T, and where
   /// no sample lies in A.
   double unregularised = std::numeric_limits<double>::quiet_NaN();
   /// Nats above uniform, uniform - value, as reports print it. More is better; 0 is uniform sampling.
-  double gain = std::numeric_limits<double>::quiet_NaN();
+  double above_uniform = std::numeric_limits<double>::quiet_NaN();
   /// The parts of `value`; NaN where T is not uniform.
   ChainRule parts = {};
   /// The parts of `unregularised`.

@@ -39,7 +39,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   Estimate result;
   result.unregularised = mass + or_nothing(along.corrected);
   result.value = regularised_mass(mass, target.uniform()) + or_nothing(along.regularised);
-  result.gain = target.uniform() - result.value;
+  result.above_uniform = target.uniform() - result.value;
   return result;
 }
 

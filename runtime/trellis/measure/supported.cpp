@@ -233,7 +233,7 @@ class Supporter {
     return by_tails(shares, counts, most, error);
   }
 
-  /// The least D_eps where Q has at most `most` in A, and in the first j parts of A at most what their counts allow:
+  /// The least SE where Q has at most `most` in A, and in the first j parts of A at most what their counts allow:
   /// that of the most even Q. Its cumulative mass is the greatest convex minorant of the bounds.
   [[nodiscard]] double by_tails(const std::vector<double>& shares, const std::vector<std::size_t>& counts, double most,
                                 double error) const {

@@ -39,9 +39,9 @@ void add_nats(CostData& data, std::size_t problem, std::size_t strategy, const L
                                 proposals,
                                 cross,
                                 figure.scored,
-                                figure["D_uniform"].value - figure["D_eps_parts.mass"].value,
-                                -figure["D_eps_parts.spread"].value,
-                                figure["gain"].value};
+                                figure["D_uniform"].value - figure["SE_parts.mass"].value,
+                                -figure["SE_parts.spread"].value,
+                                figure["above_uniform"].value};
       const bool known = std::isfinite(nats.mass) && std::isfinite(nats.spread) && std::isfinite(nats.above);
       if (known && nats.runs > 0) data.nats.push_back(nats);
     }

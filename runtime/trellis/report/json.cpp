@@ -87,8 +87,6 @@ Json headline_json(const LevelSummary& level, SampleRole role) {
   const Headline found = headline(level, role);
   return {{"lo", number(found.above.lo)},
           {"hi", number(found.above.hi)},
-          {"scale_lo", number(found.above.scale_lo)},
-          {"scale_hi", number(found.above.scale_hi)},
           {"exact", found.above.exact},
           {"seeds", found.seeds > 0 ? Json(found.seeds) : Json(nullptr)},
           {"blank", found.above.blank.empty() ? Json(nullptr) : Json(found.above.blank)}};
@@ -182,8 +180,8 @@ Json comparison_json(const Comparison& c) {
           {"paths", c.cross ? "cross" : "self"},
           {"tree_above_uniform", paired_json(c.tree_above)},
           {"expansion_above_uniform", paired_json(c.expansion_above)},
-          {"tree_D_eps", paired_json(c.tree)},
-          {"expansion_D_eps", paired_json(c.expansion)}};
+          {"tree_SE", paired_json(c.tree)},
+          {"expansion_SE", paired_json(c.expansion)}};
 }
 
 Json bracket_json(const RatioBracket& bracket) { return {{"lo", number(bracket.lo)}, {"hi", number(bracket.hi)}}; }

@@ -270,11 +270,10 @@ class Tables {
         for (const NamedRole& role : roles()) {
           for (const NamedPath& path : paths_) {
             for (const std::string& estimator : estimators_) {
-              add(problem.name, name, role.name, path.name, estimator, "D_eps",
+              add(problem.name, name, role.name, path.name, estimator, "SE",
                   estimator == headline ? supported(problem.name, name, path, role)
                                         : shown_figure(problem.name, name, path, role, estimator).interval);
             }
-            add(problem.name, name, role.name, path.name, headline, "scale", scale(problem.name, name, path, role));
             if (path.where == nullptr) continue;
             for (const Quantity& quantity : quantities()) {
               add(problem.name, name, role.name, path.name, headline, quantity.name,
@@ -306,8 +305,8 @@ class Tables {
         {"D_perfect", "perfect", [](const Efficiency& e) { return e.perfect; }},
         {"D", "D", [](const Efficiency& e) { return e.unregularised; },
          [](const Efficiency& e) { return e.mass_lower95; }},
-        {"D_eps_parts.mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
-        {"D_eps_parts.spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
+        {"SE_parts.mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
+        {"SE_parts.spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
         {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
         {"along.D", "along", [](const Efficiency& e) { return e.along.divergence; }, zero},
         {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }}};
@@ -359,12 +358,6 @@ class Tables {
     const double lo = uniform - found.hi;
     const double hi = uniform - found.lo;
     return {found.printed() ? 0.5 * (lo + hi) : nan, lo, hi, scored(problem, strategy, path, role), 0};
-  }
-  [[nodiscard]] Interval scale(const std::string& problem, const std::string& strategy, const NamedPath& path,
-                               const NamedRole& role) const {
-    const AboveUniform found = above(problem, strategy, path, role).first;
-    return {found.printed() ? 0.5 * (found.scale_lo + found.scale_hi) : nan, found.scale_lo, found.scale_hi,
-            scored(problem, strategy, path, role), 0};
   }
   [[nodiscard]] std::size_t scored(const std::string& problem, const std::string& strategy, const NamedPath& path,
                                    const NamedRole& role) const {
@@ -482,7 +475,8 @@ class Tables {
           const AboveUniform all = above(problem.name, name, together, role).first;
           const AboveUniform single = above(problem.name, name, paths().back(), role).first;
           const FigurePair& pair = summary.levels.front().root_cross;
-          const Interval& estimate = role.role == &Scores::tree ? pair.tree["gain"] : pair.expansion["gain"];
+          const Interval& estimate =
+              role.role == &Scores::tree ? pair.tree["above_uniform"] : pair.expansion["above_uniform"];
           // Their paths differ, so nats above uniform are compared.
           if (!all.printed() || !(estimate.hi < all.lo - visible || estimate.lo > all.hi + visible)) continue;
           rows.push_back({escaped(problem.name), escaped(name), role.name, ends(all), ends(single), cell(estimate)});

@@ -28,7 +28,7 @@ struct Quantity {
   Better better;
   const char* meaning;
 
-  /// The one name of it, in JSON, CSV and help: "D_eps", "D_eps_parts.mass".
+  /// The one name of it, in JSON, CSV and help: "SE", "SE_parts.mass".
   [[nodiscard]] std::string name() const { return *group == '\0' ? key : std::string(group) + '.' + key; }
   /// Whether that is its name.
   [[nodiscard]] constexpr bool is(std::string_view name) const {
@@ -81,11 +81,11 @@ constexpr MeasureQuantity computed(Quantity quantity, double (*of)(const Efficie
   return {quantity, of, nullptr, false, false, false};
 }
 
-/// The ends of the 95 % interval of the part `mass` of D_eps.
+/// The ends of the 95 % interval of the part `mass` of SE.
 inline double mass_lo(const Efficiency& e) { return regularised_mass(e.mass_lo, e.uniform); }
 inline double mass_hi(const Efficiency& e) { return regularised_mass(e.mass_hi, e.uniform); }
 
-inline constexpr const char* eps_parts = "D_eps_parts";
+inline constexpr const char* eps_parts = "SE_parts";
 inline constexpr const char* d_parts = "D_parts";
 
 }  // namespace quantity_lines
@@ -113,34 +113,32 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
          "the part of the spread of D across the path; none from 5 dimensions on"},
         [](auto& e) -> auto& { return e.unregularised_parts.across; }),
     quantity_lines::estimated(
-        {"", "D_eps", "SE_T(Q)", "nats", Better::less,
+        {"", "SE", "SE_T(Q)", "nats", Better::less,
          "sampling efficiency, the divergence of the samples with 5 % uniform ones mixed in, so that it is finite"},
         [](auto& e) -> auto& { return e.value; }, true, true),
     quantity_lines::estimated(
         {quantity_lines::eps_parts, "mass", "", "nats", Better::less,
-         "the part of D_eps that says how seldom a sample lies in the target. It is counted, and exact"},
+         "the part of SE that says how seldom a sample lies in the target. It is counted, and exact"},
         [](auto& e) -> auto& { return e.parts.mass; }, true, true),
     quantity_lines::estimated(
         {quantity_lines::eps_parts, "spread", "", "nats", Better::less,
-         "the rest of D_eps: how unevenly the samples in the target cover it"},
+         "the rest of SE: how unevenly the samples in the target cover it"},
         [](auto& e) -> auto& { return e.parts.spread; }, true),
     quantity_lines::estimated(
-        {quantity_lines::eps_parts, "along", "", "nats", Better::less,
-         "the part of the spread of D_eps along the path"},
+        {quantity_lines::eps_parts, "along", "", "nats", Better::less, "the part of the spread of SE along the path"},
         [](auto& e) -> auto& { return e.parts.along; }, true),
     quantity_lines::estimated(
-        {quantity_lines::eps_parts, "across", "", "nats", Better::less,
-         "the part of the spread of D_eps across the path"},
+        {quantity_lines::eps_parts, "across", "", "nats", Better::less, "the part of the spread of SE across the path"},
         [](auto& e) -> auto& { return e.parts.across; }, true),
     quantity_lines::computed({quantity_lines::eps_parts, "mass_lo", "", "nats", Better::less,
-                              "the lower end of the 95 % interval of D_eps_parts.mass"},
+                              "the lower end of the 95 % interval of SE_parts.mass"},
                              quantity_lines::mass_lo),
     quantity_lines::computed({quantity_lines::eps_parts, "mass_hi", "", "nats", Better::less,
-                              "the upper end of the 95 % interval of D_eps_parts.mass"},
+                              "the upper end of the 95 % interval of SE_parts.mass"},
                              quantity_lines::mass_hi),
     quantity_lines::computed(
         {quantity_lines::eps_parts, "spread_lo", "", "nats", Better::less,
-         "the lower end of the interval of D_eps_parts.spread that follows from those of D_eps and of "
+         "the lower end of the interval of SE_parts.spread that follows from those of SE and of "
          "its mass: "
          "with 90 % at least"},
         [](const Efficiency& e) { return e.value_lo - std::min(quantity_lines::mass_hi(e), e.value_lo); }),
@@ -148,30 +146,22 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
         {quantity_lines::eps_parts, "spread_hi", "", "nats", Better::less, "the upper end of that interval"},
         [](const Efficiency& e) { return e.value_hi - std::min(quantity_lines::mass_lo(e), e.value_hi); }),
     quantity_lines::stored(
-        {"", "D_eps_lo", "", "nats", Better::less,
-         "the lower end of the 95 % interval of D_eps that the samples support: counting certifies it"},
+        {"", "SE_lo", "", "nats", Better::less,
+         "the lower end of the 95 % interval of SE that the samples support: counting certifies it"},
         [](auto& e) -> auto& { return e.value_lo; }, true, true),
     quantity_lines::stored(
-        {"", "D_eps_hi", "", "nats", Better::less,
+        {"", "SE_hi", "", "nats", Better::less,
          "the upper end of that interval, which allows for what so many samples cannot show"},
         [](auto& e) -> auto& { return e.value_hi; }, true, true),
-    quantity_lines::computed(
-        {"", "scale", "", "", Better::less,
-         "D_eps from 0, perfect guidance, to 1, uniform sampling: (D_eps - D_perfect) / (D_uniform - D_perfect)"},
-        [](const Efficiency& e) { return on_scale(e.value, e.perfect, e.uniform); }),
-    quantity_lines::computed({"", "scale_lo", "", "", Better::less, "D_eps_lo on that scale"},
-                             [](const Efficiency& e) { return on_scale(e.value_lo, e.perfect, e.uniform); }),
-    quantity_lines::computed({"", "scale_hi", "", "", Better::less, "D_eps_hi on that scale"},
-                             [](const Efficiency& e) { return on_scale(e.value_hi, e.perfect, e.uniform); }),
     quantity_lines::stored(
-        {"", "D_perfect", "", "nats", Better::none, "D_eps of perfect guidance, samples of the target itself"},
+        {"", "D_perfect", "", "nats", Better::none, "SE of perfect guidance, samples of the target itself"},
         [](auto& e) -> auto& { return e.perfect; }, true),
     quantity_lines::stored(
         {"", "D_uniform", "", "nats", Better::none, "the divergence of uniform sampling"},
         [](auto& e) -> auto& { return e.uniform; }, true, true),
     quantity_lines::estimated(
-        {"", "gain", "", "nats", Better::more, "nats above uniform sampling: D_uniform - D_eps"},
-        [](auto& e) -> auto& { return e.gain; }, true),
+        {"", "above_uniform", "", "nats", Better::more, "nats above uniform sampling: D_uniform - SE"},
+        [](auto& e) -> auto& { return e.above_uniform; }, true),
     quantity_lines::stored(
         {"", "D_mass", "-log Q(A)", "nats", Better::less, "-log of the share of the samples in the target"},
         [](auto& e) -> auto& { return e.mass; }, true),
@@ -204,14 +194,14 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
         {"along", "D_corrected", "", "nats", Better::less, "along.D without its bias for few samples"},
         [](auto& e) -> auto& { return e.along.corrected; }),
     quantity_lines::stored(
-        {"along", "D_eps", "", "nats", Better::less, "along.D_corrected of the samples with 5 % uniform ones mixed in"},
+        {"along", "SE", "", "nats", Better::less, "along.D_corrected of the samples with 5 % uniform ones mixed in"},
         [](auto& e) -> auto& { return e.along.regularised; }),
 });
 
 /// The place of a quantity in `measure_quantities`.
 class MeasureIndex {
  public:
-  /// Finds a quantity by its name, "D_eps_parts.mass". A name without a quantity does not compile.
+  /// Finds a quantity by its name, "SE_parts.mass". A name without a quantity does not compile.
   consteval MeasureIndex(const char* name) : at_(0) {  // NOLINT(google-explicit-constructor)
     while (!measure_quantities.at(at_).is(name)) ++at_;
   }

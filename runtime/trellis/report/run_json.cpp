@@ -276,7 +276,7 @@ Json quantities_json(const Efficiency& scored, const Chosen& chosen) {
   return out;
 }
 
-/// Why reports print no interval of D_eps; null where they print one, and where there is no value.
+/// Why reports print no interval of SE; null where they print one, and where there is no value.
 Json blank_json(const Efficiency& e) {
   if (std::isnan(e.value)) return nullptr;
   const std::string reason = blank_reason(e.value_lo, e.value_hi, e.uniform);

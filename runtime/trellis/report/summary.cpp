@@ -81,20 +81,20 @@ void at_least(Interval& interval, double bound) {
   }
 }
 
-/// \param least  the lower bound of D_eps, the mean over the runs
+/// \param least  the lower bound of SE, the mean over the runs
 void bound_below(Figure& figure, double least) {
   constexpr double visible = 0.005;  // half of the last printed digit
-  if (figure["D_eps"].value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
+  if (figure["SE"].value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
   at_least(figure["D"], figure["D_mass_lower95"].value);
-  at_least(figure["D_eps"], least);
+  at_least(figure["SE"], least);
   const double most_gain = figure["D_uniform"].value - least;
-  Interval& gain = figure["gain"];
+  Interval& gain = figure["above_uniform"];
   for (double* x : {&gain.value, &gain.lo, &gain.hi}) {
     if (*x > most_gain) *x = most_gain;
   }
   for (const MeasureIndex part :
-       {MeasureIndex("D_parts.spread"), MeasureIndex("D_eps_parts.mass"), MeasureIndex("D_eps_parts.spread"),
-        MeasureIndex("D_eps_parts.along"), MeasureIndex("D_eps_parts.across")}) {
+       {MeasureIndex("D_parts.spread"), MeasureIndex("SE_parts.mass"), MeasureIndex("SE_parts.spread"),
+        MeasureIndex("SE_parts.along"), MeasureIndex("SE_parts.across")}) {
     at_least(figure[part], 0.0);
   }
 }
@@ -396,14 +396,9 @@ CensoredCost path_cost(const RunFacts& run) {
 
 namespace {
 
-/// \param lo, hi  of D_eps
-AboveUniform between(double lo, double hi, double perfect, double uniform, bool exact) {
-  return {.lo = uniform - hi,
-          .hi = uniform - lo,
-          .scale_lo = on_scale(lo, perfect, uniform),
-          .scale_hi = on_scale(hi, perfect, uniform),
-          .exact = exact,
-          .blank = exact ? "" : blank_reason(lo, hi, uniform)};
+/// \param lo, hi  of SE
+AboveUniform between(double lo, double hi, double uniform, bool exact) {
+  return {.lo = uniform - hi, .hi = uniform - lo, .exact = exact, .blank = exact ? "" : blank_reason(lo, hi, uniform)};
 }
 
 }  // namespace
@@ -414,19 +409,19 @@ AboveUniform above_uniform(const Figure& figure) {
                                  [](const std::string& name) { return name.starts_with("exact"); });
   const double uniform = figure["D_uniform"].value;
   const auto end = [](double bound, double value) { return std::isnan(bound) ? value : bound; };
-  // No D_eps is below that of perfect guidance or above that of samples that never lie in the target.
+  // No SE is below that of perfect guidance or above that of samples that never lie in the target.
   const double least = figure["D_perfect"].value;
   const double most = uniform - std::log(uniform_mix);
   // `uniform` is the mean over all runs, the ends those over the runs with samples: both are bounded.
   const auto bounded = [&](double bound) { return std::min(std::max(bound, least), most); };
-  const double lo = bounded(end(figure["D_eps_lo"].lo, figure["D_eps_lo"].value));
-  const double hi = bounded(end(figure["D_eps_hi"].hi, figure["D_eps_hi"].value));
-  return between(lo, hi, least, uniform, exact);
+  const double lo = bounded(end(figure["SE_lo"].lo, figure["SE_lo"].value));
+  const double hi = bounded(end(figure["SE_hi"].hi, figure["SE_hi"].value));
+  return between(lo, hi, uniform, exact);
 }
 
 AboveUniform above_uniform(const Efficiency& efficiency) {
   if (std::isnan(efficiency.value)) return {};
-  return between(efficiency.value_lo, efficiency.value_hi, efficiency.perfect, efficiency.uniform,
+  return between(efficiency.value_lo, efficiency.value_hi, efficiency.uniform,
                  efficiency.estimator.starts_with("exact"));
 }
 
@@ -436,7 +431,7 @@ Headline over_runs(const LevelSummary& level, SampleRole role) {
   Headline result{.above = above_uniform(figure),
                   .uniform = figure["D_uniform"].value,
                   .perfect = figure["D_perfect"].value,
-                  .mass = figure["D_eps_parts.mass"].value,
+                  .mass = figure["SE_parts.mass"].value,
                   .runs = figure.scored};
   for (const auto& [flag, runs] : figure.flags) {
     if (2 * runs >= figure.scored) result.flags.push_back(flag);
@@ -676,8 +671,8 @@ std::vector<Comparison> compare_on(const ExperimentFacts& experiment, const std:
         return e != nullptr ? e->*quantity : nan;
       });
     };
-    c.tree_above = efficiency(&Scores::tree, &Estimate::gain);
-    c.expansion_above = efficiency(&Scores::expansion, &Estimate::gain);
+    c.tree_above = efficiency(&Scores::tree, &Estimate::above_uniform);
+    c.expansion_above = efficiency(&Scores::expansion, &Estimate::above_uniform);
     c.tree = efficiency(&Scores::tree, &Estimate::value);
     c.expansion = efficiency(&Scores::expansion, &Estimate::value);
     comparisons.push_back(std::move(c));

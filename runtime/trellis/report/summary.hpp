@@ -35,7 +35,7 @@ struct Figure {
   std::string check;
   Paired check_difference;
 
-  /// Returns the interval of a quantity: figure["D_eps"].
+  /// Returns the interval of a quantity: figure["SE"].
   [[nodiscard]] Interval& operator[](MeasureIndex quantity) { return intervals.at(quantity.at()); }
   [[nodiscard]] const Interval& operator[](MeasureIndex quantity) const { return intervals.at(quantity.at()); }
 };
@@ -53,9 +53,6 @@ struct FigurePair {
 struct AboveUniform {
   double lo = std::numeric_limits<double>::quiet_NaN();
   double hi = std::numeric_limits<double>::quiet_NaN();
-  /// The same on the scale from perfect guidance, 0, to uniform sampling, 1: less is better.
-  double scale_lo = std::numeric_limits<double>::quiet_NaN();
-  double scale_hi = std::numeric_limits<double>::quiet_NaN();
   bool exact = false;      ///< by recorded densities, without estimation
   std::string blank = {};  ///< why reports print none; "" where they do
 

@@ -144,14 +144,14 @@ std::string reason_of(const RunsSummary& summary, std::size_t level, bool less) 
   const Figure* before =
       step->from < 0 ? nullptr : &lifted_figure(summary.levels[static_cast<std::size_t>(step->from)]);
   // The mass of uniform samples equals their divergence, because they cover the target evenly.
-  const Interval mass = difference(before != nullptr ? (*before)["D_eps_parts.mass"] : point(figure["D_uniform"].value),
-                                   figure["D_eps_parts.mass"]);
+  const Interval mass = difference(before != nullptr ? (*before)["SE_parts.mass"] : point(figure["D_uniform"].value),
+                                   figure["SE_parts.mass"]);
   const auto shown = [&](const Interval& reduced) { return less ? reduced.lo > 0.0 : reduced.hi < 0.0; };
   const auto fails = [](const Figure& one) { return estimate_fails(one) || !above_uniform(one).blank.empty(); };
   const bool by_mass = fails(figure) || (before != nullptr && fails(*before));
   if (by_mass) return shown(mass) ? "mass" : "";
   const Interval spread =
-      difference(before != nullptr ? (*before)["D_eps_parts.spread"] : point(0.0), figure["D_eps_parts.spread"]);
+      difference(before != nullptr ? (*before)["SE_parts.spread"] : point(0.0), figure["SE_parts.spread"]);
   const bool spread_more = less ? spread.value > mass.value : spread.value < mass.value;
   if (spread_more && shown(spread)) return "spread";
   return shown(mass) ? "mass" : shown(spread) ? "spread" : "";

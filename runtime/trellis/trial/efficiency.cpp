@@ -206,7 +206,7 @@ class HasEfficiency final : public Matcher {
   [[nodiscard]] FigureOf estimate_of(const std::vector<RunResult>& runs) const {
     return [this, key = find_level(runs, level_.name())](const RunResult& run) {
       const Efficiency* found = find(run, key);
-      return found != nullptr ? shown(*found).gain : nan;
+      return found != nullptr ? shown(*found).above_uniform : nan;
     };
   }
 

@@ -23,23 +23,20 @@ const std::vector<ReportTerm>& report_terms() {
        "there were none"},
       {"share", "this level's part of what all runs spent in all levels, in per cent"},
       {"nats", "the unit of divergences: natural logarithms"},
-      {"divergence",
-       "D(T||Q), Kullback-Leibler: how unlike the target T the samples Q are, in nats; 0 for samples of T itself. With "
-       "5 % uniform samples mixed in, so that it is finite"},
       {"SE",
-       "sampling efficiency of the paper, SE_T(Q) = D(T||Q): the divergence; lower is better. The paper's information "
-       "gain is this figure too"},
+       "sampling efficiency of the paper, SE_T(Q) = D(T||Q), Kullback-Leibler: how unlike the target T the samples Q "
+       "are, in nats, with 5 % uniform samples mixed in, so that it is finite; lower is better"},
       {"target", "T: uniform on a tube around the path found, unless the experiment's `measure` says otherwise"},
       {"above uniform",
-       "the divergence of uniform sampling minus that of the samples, nats: + is better than uniform sampling, 0 is "
+       "SE of uniform sampling minus that of the samples, nats: + is better than uniform sampling, 0 is "
        "uniform sampling, the most is perfect guidance"},
       {"mass",
-       "the part of the divergence that says how often a sample lies in the target: -log Q(T). It is counted, and "
+       "the part of SE that says how often a sample lies in the target: -log Q(T). It is counted, and "
        "exact"},
       {"spread",
-       "the part of the divergence that says how evenly the samples in the target cover it: D(T || Q given T). Mass "
+       "the part of SE that says how evenly the samples in the target cover it: D(T || Q given T). Mass "
        "and "
-       "spread sum to the divergence"},
+       "spread sum to SE"},
       {"-0.42…+1.20",
        "an interval of nats above uniform that holds the truth with at least 95 %, as samples of known density show: "
        "docs/measure.md. Counting certifies its upper end; the lower end allows for what so many samples cannot show. "
@@ -51,8 +48,8 @@ const std::vector<ReportTerm>& report_terms() {
        "nats above uniform of what the level's guide and planner propose, lifted to the root, and of the nodes of its "
        "tree: of all seeds together where there are five or more. Proposals whose densities are known in closed form "
        "are exact: no estimation, whatever their number"},
-      {"along", quantity("D_eps_parts.along").meaning},
-      {"across", quantity("D_eps_parts.across").meaning},
+      {"along", quantity("SE_parts.along").meaning},
+      {"across", quantity("SE_parts.across").meaning},
       {"verdict",
        "whether a level pays: an experiment, the strategy with and without it on the same seeds, unscored. The guides "
        "of the level take its place. After each seed a sequential test decides, so that seeds may be added until it "
@@ -73,7 +70,7 @@ const std::vector<ReportTerm>& report_terms() {
       {"keep it, leave it out",
        "verdict of a row that is the strategy without a level: the inverse ratio, so that the level pays above 1"},
       {"(mass), (spread)",
-       "beside a verdict: the part of the divergence that the level's samples reduce most (where it pays) or increase "
+       "beside a verdict: the part of SE that the level's samples reduce most (where it pays) or increase "
        "(where it costs). It explains the verdict and does not decide it"},
       {"first path", "checks until the first path, which the comparisons use"},
       {"improvement", "checks that an anytime planner, such as rrt_star, spends on shorter paths after its first"},
@@ -112,7 +109,6 @@ const std::vector<ReportTerm>& report_terms() {
       {"single runs differ",
        "the interval over the runs and that of all seeds together exclude each other: together they cover what each "
        "run misses"},
-      {"scale", described(quantity("scale"))},
   };
   return terms;
 }

@@ -180,7 +180,7 @@ std::string texts_of(const std::vector<LevelSummary>& levels, const Text& text) 
   return all;
 }
 
-/// Explains the nats of a table: over what they are, the scale, and where single runs differ.
+/// Explains the nats of a table: over what they are, and where single runs differ.
 std::string nats_notes(const std::vector<LevelSummary>& levels, std::size_t width) {
   std::string notes;
   const auto add = [&](const std::string& note) {
@@ -195,12 +195,6 @@ std::string nats_notes(const std::vector<LevelSummary>& levels, std::size_t widt
     scale += fmt::format("{}the samples of all {} seeds together", scale.empty() ? "nats: " : "; ", root.seeds);
   }
   add(scale);
-  const std::string on_scale = texts_of(levels, [](const LevelSummary& level, SampleRole role) -> std::string {
-    const AboveUniform above = headline(level, role).above;
-    if (!above.printed() || !std::isfinite(above.scale_lo)) return "";
-    return ends_text(above.scale_lo, above.scale_hi, false);
-  });
-  if (!on_scale.empty()) add("scale, 0 perfect guidance, 1 uniform sampling: " + on_scale);
   const std::string single = texts_of(levels, [](const LevelSummary& level, SampleRole role) -> std::string {
     const Headline together = headline(level, role);
     const AboveUniform alone = over_runs(level, role).above;

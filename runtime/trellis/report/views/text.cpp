@@ -250,7 +250,7 @@ std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t wi
 }
 
 /// Returns SE, as an interval; "" where the samples do not support one.
-std::string divergence_text(const Figure& figure) {
+std::string se_text(const Figure& figure) {
   const AboveUniform above = above_uniform(figure);
   if (figure.scored == 0 || std::isnan(above.lo)) return "-";
   if (!above.blank.empty()) return "";
@@ -261,8 +261,7 @@ std::string divergence_text(const Figure& figure) {
 
 /// Returns the measure of every level and role: in its own space on its own path, and lifted to the root.
 /// \param pooled  whether there are the samples of all seeds together
-/// \param scale   whether there is the column of the scale
-std::vector<Table::Column> measure_columns(bool pooled, bool scale) {
+std::vector<Table::Column> measure_columns(bool pooled) {
   const std::string own = "own space, own path";
   const std::string root = "root space: above uniform on";
   std::vector<Table::Column> columns = {text_column("level"),
@@ -272,7 +271,7 @@ std::vector<Table::Column> measure_columns(bool pooled, bool scale) {
                                         number_column({"in", "target"}),
                                         number_column({"uniform", "nats"}, own),
                                         number_column({"above", "uniform"}, own),
-                                        number_column({"divergence", "SE"}, own),
+                                        number_column({"SE", "nats"}, own),
                                         number_column({"mass", "nats"}, own),
                                         number_column({"spread", "nats"}, own),
                                         number_column({"D", "nats"}, own),
@@ -283,15 +282,7 @@ std::vector<Table::Column> measure_columns(bool pooled, bool scale) {
                                         number_column({"own", "path"}, root),
                                         number_column({"other", "seeds'"}, root)};
   if (pooled) columns.push_back(number_column({"all seeds", "together"}, root));
-  if (scale) columns.push_back(number_column({"scale", "0 perfect"}));
   return columns;
-}
-
-/// Returns the interval on the scale from perfect guidance, 0, to uniform sampling, 1; "" where it is blank.
-std::string scale_text(const AboveUniform& above) {
-  if (std::isnan(above.lo)) return "-";
-  if (!above.printed() || !std::isfinite(above.scale_lo)) return "";
-  return ends_text(above.scale_lo, above.scale_hi, false);
 }
 
 /// The rows of the measure: each level's tree and expansion.
@@ -311,7 +302,7 @@ class MeasureRows {
     const Headline first = headline(level, tree ? SampleRole::tree : SampleRole::expansion);
     any_pooled_ = any_pooled_ || first.seeds > 0;
     pooled_.add(first.seeds > 0 ? first.above : AboveUniform{}, first.seeds);
-    lines_.push_back({label, name, &(level.own.*role), scale_text(first.above)});
+    lines_.push_back({label, name, &(level.own.*role)});
   }
 
   /// Perfect guidance or uniform sampling: the estimators' results for as many samples of it.
@@ -324,25 +315,20 @@ class MeasureRows {
       root_.add(*figure, {name, role}, unread);
       cross_.add(nothing, {name, role}, unread);
       pooled_.add(AboveUniform{}, 0);
-      lines_.push_back({name, role, figure, scale_text(above_uniform(*figure))});
+      lines_.push_back({name, role, figure});
     }
   }
 
-  /// The scale has a column unless it alone would split the table.
-  [[nodiscard]] std::string text(std::size_t width) const {
-    // A table that does not fit is split by an empty line.
-    const auto fits = [&](bool scale) { return table(scale).text(width).find("\n\n") == std::string::npos; };
-    return table(fits(true) || !fits(false)).text(width) + notes_.text(width);
-  }
+  [[nodiscard]] std::string text(std::size_t width) const { return table().text(width) + notes_.text(width); }
 
  private:
-  [[nodiscard]] Table table(bool with_scale) const {
+  [[nodiscard]] Table table() const {
     const auto own = own_.text();
     const auto root = root_.text();
     const auto cross = cross_.text();
     const auto pooled = pooled_.text();
     const auto nats = [](double x) { return std::isfinite(x) ? fixed(x, 2) : "-"; };
-    Table table(measure_columns(any_pooled_, with_scale));
+    Table table(measure_columns(any_pooled_));
     for (std::size_t k = 0; k < lines_.size(); ++k) {
       const Figure& f = *lines_[k].own;
       const bool first = k == 0 || lines_[k - 1].label != lines_[k].label;
@@ -356,9 +342,9 @@ class MeasureRows {
                                         count_text(f.in_target),
                                         nats(f["D_uniform"].value),
                                         own[k],
-                                        divergence_text(f),
-                                        interval_text(f["D_eps_parts.mass"]),
-                                        supported(interval_text(f["D_eps_parts.spread"])),
+                                        se_text(f),
+                                        interval_text(f["SE_parts.mass"]),
+                                        supported(interval_text(f["SE_parts.spread"])),
                                         supported(std::isinf(f["D"].value) ? "inf" : nats(f["D"].value)),
                                         nats(f["D_mass_lower95"].value),
                                         nats(f["along.D"].value),
@@ -367,7 +353,6 @@ class MeasureRows {
                                         root[k],
                                         cross[k]};
       if (any_pooled_) cells.push_back(pooled[k]);
-      if (with_scale) cells.push_back(lines_[k].scale);
       table.add(std::move(cells));
     }
     return table;
@@ -377,7 +362,6 @@ class MeasureRows {
     std::string label;
     const char* role;
     const Figure* own;
-    std::string scale;
   };
   Notes notes_;
   FigureColumn own_;
