@@ -78,6 +78,14 @@ def _flat(entry: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:
     return row
 
 
+def _lifted(level: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A level with its measure in the root's space, which the document has of the root as its own."""
+    measure = level["measure"]
+    if measure is None or "root" in measure:
+        return level
+    return {**level, "measure": {**measure, "root": {role: measure[role] for role in ("tree", "expansion")}}}
+
+
 def _frame(rows: List[Dict[str, Any]]) -> "pandas.DataFrame":
     try:
         import pandas
@@ -128,7 +136,7 @@ class Result:
         """
         return _frame(
             [
-                {**{key: run[key] for key in ("problem", "strategy", "seed")}, **_flat(level)}
+                {**{key: run[key] for key in ("problem", "strategy", "seed")}, **_flat(_lifted(level))}
                 for run in self.document["runs"]
                 for level in run["levels"]
             ]

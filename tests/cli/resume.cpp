@@ -129,15 +129,15 @@ TEST_CASE("a run takes stored scores and figures, and only what is missing is ma
 
   // A stored score is not computed again.
   std::string scores = it.text("made/scores.jsonl");
-  const std::string field = "\"free_share\":1.0";
+  const std::string field = "\"coverage\":1.0";
   const std::size_t at = scores.find(field);
   REQUIRE(at != std::string::npos);
-  scores.replace(at, field.size(), "\"free_share\":0.125");
+  scores.replace(at, field.size(), "\"coverage\":0.123456789");
   std::ofstream(it.place / "made/scores.jsonl") << scores;
   REQUIRE(it.run("made").status == 0);
-  CHECK(it.text("made/results.json").find("\"free_share\":0.125") != std::string::npos);
+  CHECK(it.text("made/results.json").find("\"coverage\":0.123456789") != std::string::npos);
   REQUIRE(it.run("made", {"--restart"}).status == 0);
-  CHECK(it.text("made/results.json").find("\"free_share\":0.125") == std::string::npos);
+  CHECK(it.text("made/results.json").find("\"coverage\":0.123456789") == std::string::npos);
 }
 
 TEST_CASE("a folder of other runs is refused, and the difference is named", "[slow]") {

@@ -127,7 +127,7 @@ class Scripts(Folder):
         self.assertEqual(len(result.document["runs"]), 4)
         self.assertIn("× plain", str(result))
         level = result.document["runs"][0]["levels"][0]
-        self.assertTrue(math.isfinite(level["measure"]["root"]["tree"]["self"]["SE"]))
+        self.assertTrue(math.isfinite(level["measure"]["tree"]["self"]["SE"]))
 
     @unittest.skipUnless(HAS_PANDAS, "pandas is not installed")
     def test_frames(self):

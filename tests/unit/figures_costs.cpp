@@ -631,6 +631,7 @@ TEST_CASE("the costs of an experiment are those of its document", "[report][cost
       e->parts.mass = 0.9 * e->value;
       e->parts.spread = 0.1 * e->value;
     }
+    run.levels.front().own = root;
     run.levels.front().root_cross = root;
     run.levels.front().root_cross->tree.above_uniform -= 0.1;
   }

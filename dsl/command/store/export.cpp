@@ -57,7 +57,8 @@ Value value_of(const Json& json) {
 struct Column {
   std::string name;
   const char* type;
-  std::string field;  ///< a JSON pointer into the entry; "": the value is given
+  std::string field;           ///< a JSON pointer into the entry; "": the value is given
+  std::string otherwise = {};  ///< another one, for entries without that
 };
 
 class Table {
@@ -71,8 +72,14 @@ class Table {
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (i < given.size()) {
         bind(i, given[i]);
-      } else if (const Json::json_pointer field(columns_[i].field); entry.contains(field)) {
+        continue;
+      }
+      const Json::json_pointer field(columns_[i].field);
+      const Json::json_pointer otherwise(columns_[i].otherwise);
+      if (entry.contains(field)) {
         bind(i, value_of(entry.at(field)));
+      } else if (!otherwise.empty() && entry.contains(otherwise)) {
+        bind(i, value_of(entry.at(otherwise)));
       }
     }
     insert_.step();
@@ -186,33 +193,35 @@ std::vector<Column> run_columns() {
 }
 
 std::vector<Column> level_columns() {
-  return {{"run", "INTEGER NOT NULL REFERENCES run", ""},
-          {"level", "INTEGER NOT NULL", "/level"},
-          {"parent", "INTEGER", "/parent"},
-          {"depth", "INTEGER NOT NULL", "/depth"},
-          {"key", "TEXT NOT NULL", "/key"},
-          {"name", "TEXT NOT NULL", "/name"},
-          {"space", "TEXT NOT NULL", "/space"},
-          {"dimension", "INTEGER NOT NULL", "/dimension"},
-          {"planner", "TEXT NOT NULL", "/planner"},
-          {"solves", "INTEGER NOT NULL", "/solves"},
-          {"proposals", "INTEGER NOT NULL", "/proposals"},
-          {"accepted", "INTEGER NOT NULL", "/accepted"},
-          {"nodes", "INTEGER NOT NULL", "/nodes"},
-          {"validity_checks", "INTEGER NOT NULL", "/validity_checks"},
-          {"motion_checks", "INTEGER NOT NULL", "/motion_checks"},
-          {"time_s", "REAL", "/time_s"},
-          {"status", "TEXT NOT NULL", "/status"},
-          {"solved", "INTEGER NOT NULL", "/solved"},
-          {"tree_SE", "REAL", "/measure/tree/self/SE"},
-          {"tree_above_uniform", "REAL", "/measure/tree/self/above_uniform"},
-          {"expansion_SE", "REAL", "/measure/expansion/self/SE"},
-          {"expansion_above_uniform", "REAL", "/measure/expansion/self/above_uniform"},
-          {"root_tree_SE", "REAL", "/measure/root/tree/self/SE"},
-          {"root_tree_above_uniform", "REAL", "/measure/root/tree/self/above_uniform"},
-          {"root_expansion_SE", "REAL", "/measure/root/expansion/self/SE"},
-          {"root_expansion_above_uniform", "REAL", "/measure/root/expansion/self/above_uniform"},
-          {"tree_coverage", "REAL", "/measure/tree/self/coverage"}};
+  return {
+      {"run", "INTEGER NOT NULL REFERENCES run", ""},
+      {"level", "INTEGER NOT NULL", "/level"},
+      {"parent", "INTEGER", "/parent"},
+      {"depth", "INTEGER NOT NULL", "/depth"},
+      {"key", "TEXT NOT NULL", "/key"},
+      {"name", "TEXT NOT NULL", "/name"},
+      {"space", "TEXT NOT NULL", "/space"},
+      {"dimension", "INTEGER NOT NULL", "/dimension"},
+      {"planner", "TEXT NOT NULL", "/planner"},
+      {"solves", "INTEGER NOT NULL", "/solves"},
+      {"proposals", "INTEGER NOT NULL", "/proposals"},
+      {"accepted", "INTEGER NOT NULL", "/accepted"},
+      {"nodes", "INTEGER NOT NULL", "/nodes"},
+      {"validity_checks", "INTEGER NOT NULL", "/validity_checks"},
+      {"motion_checks", "INTEGER NOT NULL", "/motion_checks"},
+      {"time_s", "REAL", "/time_s"},
+      {"status", "TEXT NOT NULL", "/status"},
+      {"solved", "INTEGER NOT NULL", "/solved"},
+      {"tree_SE", "REAL", "/measure/tree/self/SE"},
+      {"tree_above_uniform", "REAL", "/measure/tree/self/above_uniform"},
+      {"expansion_SE", "REAL", "/measure/expansion/self/SE"},
+      {"expansion_above_uniform", "REAL", "/measure/expansion/self/above_uniform"},
+      {"root_tree_SE", "REAL", "/measure/root/tree/self/SE", "/measure/tree/self/SE"},
+      {"root_tree_above_uniform", "REAL", "/measure/root/tree/self/above_uniform", "/measure/tree/self/above_uniform"},
+      {"root_expansion_SE", "REAL", "/measure/root/expansion/self/SE", "/measure/expansion/self/SE"},
+      {"root_expansion_above_uniform", "REAL", "/measure/root/expansion/self/above_uniform",
+       "/measure/expansion/self/above_uniform"},
+      {"tree_coverage", "REAL", "/measure/tree/self/coverage"}};
 }
 
 void write_runs(const Database& database, const Json& experiment, const StoredRuns& records) {

@@ -53,20 +53,23 @@ Json interval_json(const Interval& interval) {
 }
 
 /// The names of a run's measure, each with an interval over the runs.
-Json measure_json(const Figure& f) {
+/// \param profile  whether to write the profile along the path
+Json measure_json(const Figure& f, bool profile = false) {
   Json flags = Json::object();
   for (const auto& [flag, runs] : f.flags) flags[flag] = runs;
-  Json profile = Json::array();
-  for (const Interval& share : f.profile) profile.push_back(interval_json(share));
   Json check = nullptr;
   if (!f.check.empty()) {
     check = {{"estimator", f.check}, {"difference", interval_json(f.check_difference.difference)}};
   }
   Json out = Json::object();
   for (const MeasureQuantity& quantity : measure_quantities) {
-    if (quantity.over_runs) json::place_of(quantity, out) = interval_json(f[MeasureIndex(quantity)]);
+    if (quantity.in_runs) json::place_of(quantity, out) = interval_json(f[MeasureIndex(quantity)]);
   }
-  out["along"].update({{"target", numbers(f.profile_target)}, {"samples", std::move(profile)}});
+  if (profile) {
+    Json shares = Json::array();
+    for (const Interval& share : f.profile) shares.push_back(interval_json(share));
+    out["along"].update({{"target", numbers(f.profile_target)}, {"samples", std::move(shares)}});
+  }
   out.update({{"N_median", number(f.samples)},
               {"n_median", number(f.in_target)},
               {"runs", f.scored},
@@ -77,9 +80,10 @@ Json measure_json(const Figure& f) {
   return out;
 }
 
-Json roles_json(const FigurePair& self, const FigurePair& cross) {
-  return {{"tree", {{"self", measure_json(self.tree)}, {"cross", measure_json(cross.tree)}}},
-          {"expansion", {{"self", measure_json(self.expansion)}, {"cross", measure_json(cross.expansion)}}}};
+/// \param profile  whether the figures on the own path have the profile along it
+Json roles_json(const FigurePair& self, const FigurePair& cross, bool profile) {
+  return {{"tree", {{"self", measure_json(self.tree, profile)}, {"cross", measure_json(cross.tree)}}},
+          {"expansion", {{"self", measure_json(self.expansion, profile)}, {"cross", measure_json(cross.expansion)}}}};
 }
 
 /// The figure that reports print first.
@@ -291,12 +295,12 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
                       {"time_s_median", number(level.seconds)},
                       {"check_share", number(level.check_share)},
                       {"time_share", number(level.time_share)},
-                      {"measure", roles_json(level.own, level.own_cross)},
+                      {"measure", roles_json(level.own, i == 0 ? level.root_cross : level.own_cross, true)},
                       {"metrics", metrics_json(level.metrics)},
                       {"guides_without_level", parts_json(level.parts)},
                       {"rejections", rejections_json(level.rejections)}});
     Json& measure = levels.back()["measure"];
-    measure["root"] = roles_json(level.root, level.root_cross);
+    if (i > 0) measure["root"] = roles_json(level.root, level.root_cross, false);
     for (const auto& [name, pair] : {std::pair{"oracle", &level.oracle}, std::pair{"uniform", &level.uniform}}) {
       if (pair->tree.scored + pair->expansion.scored == 0) continue;
       measure[name] = {{"tree", measure_json(pair->tree)}, {"expansion", measure_json(pair->expansion)}};
@@ -431,7 +435,9 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
   return out + "}\n";
 }
 
-std::string measured_set(const Efficiency& efficiency) { return dump(json::measured_set(&efficiency)); }
+std::string measured_set(const Efficiency& efficiency) {
+  return dump(json::measured_set(&efficiency, json::Contents::all));
+}
 std::string estimate_line(const Estimate& estimate, const Efficiency& of) { return dump(json::estimate(estimate, of)); }
 
 std::string run_line(const RunFacts& run) { return dump(json::run(run)); }

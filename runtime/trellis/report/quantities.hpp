@@ -45,7 +45,7 @@ struct Quantity {
 struct MeasureQuantity : Quantity {
   double (*of_run)(const Efficiency&);
   double& (*field)(Efficiency&);  ///< where a run stores it; nullptr: computed from others
-  bool over_runs;                 ///< whether summaries have its interval over the runs
+  bool in_runs;                   ///< whether documents of runs have it, with its interval; else `trellis measure`
   bool of_estimate;               ///< whether each estimator has one
   bool in_table;                  ///< whether tables of runs have a column of it
 };
@@ -60,19 +60,19 @@ namespace quantity_lines {
 
 /// \param of  returns the field of an efficiency, which may be constant
 template <class Of>
-constexpr MeasureQuantity stored(Quantity quantity, Of /*of*/, bool over_runs = false, bool in_table = false) {
+constexpr MeasureQuantity stored(Quantity quantity, Of /*of*/, bool in_runs = false, bool in_table = false) {
   return {quantity,
           [](const Efficiency& e) -> double { return Of{}(e); },
           [](Efficiency& e) -> double& { return Of{}(e); },
-          over_runs,
+          in_runs,
           false,
           in_table};
 }
 
 /// One that each estimator has.
 template <class Of>
-constexpr MeasureQuantity estimated(Quantity quantity, Of of, bool over_runs = false, bool in_table = false) {
-  MeasureQuantity result = stored(quantity, of, over_runs, in_table);
+constexpr MeasureQuantity estimated(Quantity quantity, Of of, bool in_runs = false, bool in_table = false) {
+  MeasureQuantity result = stored(quantity, of, in_runs, in_table);
   result.of_estimate = true;
   return result;
 }
@@ -85,8 +85,7 @@ constexpr MeasureQuantity computed(Quantity quantity, double (*of)(const Efficie
 inline double mass_lo(const Efficiency& e) { return regularised_mass(e.mass_lo, e.uniform); }
 inline double mass_hi(const Efficiency& e) { return regularised_mass(e.mass_hi, e.uniform); }
 
-inline constexpr const char* eps_parts = "SE_parts";
-inline constexpr const char* d_parts = "D_parts";
+inline constexpr const char* parts = "SE_parts";
 
 }  // namespace quantity_lines
 
@@ -97,53 +96,36 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
          "the divergence with nothing mixed in: infinite where a part of the target has no sample"},
         [](auto& e) -> auto& { return e.unregularised; }, true),
     quantity_lines::estimated(
-        {quantity_lines::d_parts, "mass", "-log Q(A)", "nats", Better::less,
-         "the part of D that says how seldom a sample lies in the target"},
-        [](auto& e) -> auto& { return e.unregularised_parts.mass; }, true),
-    quantity_lines::estimated(
-        {quantity_lines::d_parts, "spread", "", "nats", Better::less,
-         "the rest of D: how unevenly the samples in the target cover it"},
-        [](auto& e) -> auto& { return e.unregularised_parts.spread; }, true),
-    quantity_lines::estimated(
-        {quantity_lines::d_parts, "along", "", "nats", Better::less,
-         "the part of the spread of D along the path: the divergence of arc length"},
-        [](auto& e) -> auto& { return e.unregularised_parts.along; }),
-    quantity_lines::estimated(
-        {quantity_lines::d_parts, "across", "", "nats", Better::less,
-         "the part of the spread of D across the path; none from 5 dimensions on"},
-        [](auto& e) -> auto& { return e.unregularised_parts.across; }),
-    quantity_lines::estimated(
         {"", "SE", "SE_T(Q)", "nats", Better::less,
          "sampling efficiency, the divergence of the samples with 5 % uniform ones mixed in, so that it is finite"},
         [](auto& e) -> auto& { return e.value; }, true, true),
     quantity_lines::estimated(
-        {quantity_lines::eps_parts, "mass", "", "nats", Better::less,
+        {quantity_lines::parts, "mass", "", "nats", Better::less,
          "the part of SE that says how seldom a sample lies in the target. It is counted, and exact"},
         [](auto& e) -> auto& { return e.parts.mass; }, true, true),
     quantity_lines::estimated(
-        {quantity_lines::eps_parts, "spread", "", "nats", Better::less,
+        {quantity_lines::parts, "spread", "", "nats", Better::less,
          "the rest of SE: how unevenly the samples in the target cover it"},
         [](auto& e) -> auto& { return e.parts.spread; }, true),
     quantity_lines::estimated(
-        {quantity_lines::eps_parts, "along", "", "nats", Better::less, "the part of the spread of SE along the path"},
-        [](auto& e) -> auto& { return e.parts.along; }, true),
+        {quantity_lines::parts, "along", "", "nats", Better::less, "the part of the spread of SE along the path"},
+        [](auto& e) -> auto& { return e.parts.along; }),
     quantity_lines::estimated(
-        {quantity_lines::eps_parts, "across", "", "nats", Better::less, "the part of the spread of SE across the path"},
-        [](auto& e) -> auto& { return e.parts.across; }, true),
-    quantity_lines::computed({quantity_lines::eps_parts, "mass_lo", "", "nats", Better::less,
+        {quantity_lines::parts, "across", "", "nats", Better::less, "the part of the spread of SE across the path"},
+        [](auto& e) -> auto& { return e.parts.across; }),
+    quantity_lines::computed({quantity_lines::parts, "mass_lo", "", "nats", Better::less,
                               "the lower end of the 95 % interval of SE_parts.mass"},
                              quantity_lines::mass_lo),
-    quantity_lines::computed({quantity_lines::eps_parts, "mass_hi", "", "nats", Better::less,
+    quantity_lines::computed({quantity_lines::parts, "mass_hi", "", "nats", Better::less,
                               "the upper end of the 95 % interval of SE_parts.mass"},
                              quantity_lines::mass_hi),
     quantity_lines::computed(
-        {quantity_lines::eps_parts, "spread_lo", "", "nats", Better::less,
-         "the lower end of the interval of SE_parts.spread that follows from those of SE and of "
-         "its mass: "
+        {quantity_lines::parts, "spread_lo", "", "nats", Better::less,
+         "the lower end of the interval of SE_parts.spread that follows from those of SE and of its mass: "
          "with 90 % at least"},
         [](const Efficiency& e) { return e.value_lo - std::min(quantity_lines::mass_hi(e), e.value_lo); }),
     quantity_lines::computed(
-        {quantity_lines::eps_parts, "spread_hi", "", "nats", Better::less, "the upper end of that interval"},
+        {quantity_lines::parts, "spread_hi", "", "nats", Better::less, "the upper end of that interval"},
         [](const Efficiency& e) { return e.value_hi - std::min(quantity_lines::mass_lo(e), e.value_hi); }),
     quantity_lines::stored(
         {"", "SE_lo", "", "nats", Better::less,
@@ -164,7 +146,7 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
         [](auto& e) -> auto& { return e.above_uniform; }, true),
     quantity_lines::stored(
         {"", "D_mass", "-log Q(A)", "nats", Better::less, "-log of the share of the samples in the target"},
-        [](auto& e) -> auto& { return e.mass; }, true),
+        [](auto& e) -> auto& { return e.mass; }),
     quantity_lines::stored(
         {"", "D_mass_lower95", "", "nats", Better::less,
          "the lower bound of D_mass with 95 % confidence (Clopper and Pearson), which D cannot be below"},
@@ -181,7 +163,7 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
         [](auto& e) -> auto& { return e.coverage; }, true, true),
     quantity_lines::stored(
         {"", "free_share", "", "share", Better::none, "valid share of the tube"},
-        [](auto& e) -> auto& { return e.free_share; }, true),
+        [](auto& e) -> auto& { return e.free_share; }),
     quantity_lines::stored(
         {"along", "D", "", "nats", Better::less,
          "the divergence of where along the path the samples in the target lie"},
@@ -190,12 +172,6 @@ inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
         {"along", "empty_share", "", "share", Better::less,
          "share of the target in parts of the path without a sample"},
         [](auto& e) -> auto& { return e.along.empty_share; }, true),
-    quantity_lines::stored(
-        {"along", "D_corrected", "", "nats", Better::less, "along.D without its bias for few samples"},
-        [](auto& e) -> auto& { return e.along.corrected; }),
-    quantity_lines::stored(
-        {"along", "SE", "", "nats", Better::less, "along.D_corrected of the samples with 5 % uniform ones mixed in"},
-        [](auto& e) -> auto& { return e.along.regularised; }),
 });
 
 /// The place of a quantity in `measure_quantities`.

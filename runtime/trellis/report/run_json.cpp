@@ -251,7 +251,7 @@ Json json_of(const T& object) {
     if constexpr (std::is_same_v<T, LevelFacts>) {
       out["solved"] = object.status == Status::solved;
       out["spent"] = spent_json(object);
-      add_scores(object.scores.get(), out);
+      add_scores(object.scores.get(), object.level == 0, out);
     }
     return out;
   }
@@ -276,6 +276,15 @@ Json quantities_json(const Efficiency& scored, const Chosen& chosen) {
   return out;
 }
 
+/// The chosen quantities of one estimator.
+template <class Chosen>
+Json estimate(const Estimate& by, const Efficiency& of, const Chosen& chosen) {
+  Efficiency one = of;
+  static_cast<Estimate&>(one) = by;
+  one.others.clear();
+  return quantities_json(one, chosen);
+}
+
 /// Why reports print no interval of SE; null where they print one, and where there is no value.
 Json blank_json(const Efficiency& e) {
   if (std::isnan(e.value)) return nullptr;
@@ -288,10 +297,11 @@ Json both_roles(const std::optional<Scores>& scores) {
           {"expansion", measured_set(scores ? &scores->expansion : nullptr)}};
 }
 
-Json roles_json(const std::optional<Scores>& self, const std::optional<Scores>& cross) {
+/// \param contents  of the sets on the own path
+Json roles_json(const std::optional<Scores>& self, const std::optional<Scores>& cross, Contents contents) {
   Json out = Json::object();
   for (const auto& [name, role] : {std::pair{"tree", &Scores::tree}, std::pair{"expansion", &Scores::expansion}}) {
-    out[name] = {{"self", measured_set(self ? &((*self).*role) : nullptr)},
+    out[name] = {{"self", measured_set(self ? &((*self).*role) : nullptr, contents)},
                  {"cross", measured_set(cross ? &((*cross).*role) : nullptr)}};
   }
   return out;
@@ -380,7 +390,7 @@ void read(const Json& json, T& object) {
       object.key = json.at("key").template get<std::string>();
       if (!json.contains("degrees")) object.degrees = object.dimension;
       read_spent(field(json, "spent"), object);
-      object.scores = read_scores(json);
+      object.scores = read_scores(json, object.level == 0);
     }
     if constexpr (std::is_same_v<T, Trajectory>) {
       if (object.controls.size() != object.steps.size()) {
@@ -436,23 +446,23 @@ Json& place_of(const Quantity& quantity, Json& object) {
   return group[quantity.key];
 }
 
-Json estimate(const Estimate& estimate, const Efficiency& of) {
-  Efficiency one = of;
-  static_cast<Estimate&>(one) = estimate;
-  one.others.clear();
-  return quantities_json(one, [](const MeasureQuantity& quantity) { return quantity.of_estimate; });
+Json estimate(const Estimate& by, const Efficiency& of) {
+  return estimate(by, of, [](const MeasureQuantity& quantity) { return quantity.of_estimate; });
 }
 
-Json measured_set(const Efficiency* scored) {
+Json measured_set(const Efficiency* scored, Contents contents) {
   if (scored == nullptr) return nullptr;
-  Json out = quantities_json(*scored, [](const MeasureQuantity&) { return true; });
-  add_fields(scored->along, out["along"]);
+  const bool all = contents == Contents::all;
+  Json out = quantities_json(*scored, [all](const MeasureQuantity& quantity) { return all || quantity.in_runs; });
+  if (contents != Contents::reported) add_fields(scored->along, out["along"]);
+  if (all) out["repeated"] = scored->repeated;
   const Efficiency bounded = shown(*scored);
   Json others = Json::object();
-  for (const Estimate& other : scored->others) others[other.estimator] = estimate(other, *scored);
+  for (const Estimate& other : scored->others) {
+    others[other.estimator] = estimate(other, *scored, [](const MeasureQuantity& one) { return one.is("SE"); });
+  }
   out.update({{"N", scored->samples},
               {"n", scored->in_target},
-              {"repeated", scored->repeated},
               {"estimator", std::isnan(scored->value) ? Json(nullptr) : Json(scored->estimator)},
               {"others", std::move(others)},
               {"flags", scored->flags},
@@ -487,25 +497,28 @@ Efficiency read_measured_set(const Json& json) {
   return e;
 }
 
-void add_scores(const LevelScores* scores, Json& level) {
+void add_scores(const LevelScores* scores, bool root, Json& level) {
   level["measure"] = nullptr;
   level["metrics"] = scores != nullptr && scores->metrics ? metrics_json(*scores->metrics) : Json(nullptr);
   if (scores == nullptr) return;
-  Json& measure = level["measure"] = roles_json(scores->own, scores->own_cross);
-  measure["root"] = roles_json(scores->root, scores->root_cross);
+  // The default report scores the root lifted alone.
+  const auto& self = root && !scores->own ? scores->root : scores->own;
+  const auto& cross = root && !scores->own_cross ? scores->root_cross : scores->own_cross;
+  Json& measure = level["measure"] = roles_json(self, cross, Contents::profile);
+  if (!root) measure["root"] = roles_json(scores->root, scores->root_cross, Contents::reported);
   if (scores->oracle) measure["oracle"] = both_roles(scores->oracle);
   if (scores->uniform) measure["uniform"] = both_roles(scores->uniform);
   if (scores->equal) measure["equal_samples"] = both_roles(scores->equal);
 }
 
-std::shared_ptr<LevelScores> read_scores(const Json& level) {
+std::shared_ptr<LevelScores> read_scores(const Json& level, bool root) {
   const Json& measure = field(level, "measure");
   if (!measure.is_object() && !field(level, "metrics").is_object()) return nullptr;
   auto scores = std::make_shared<LevelScores>();
   scores->own = read_roles(measure, "self");
   scores->own_cross = read_roles(measure, "cross");
-  scores->root = read_roles(field(measure, "root"), "self");
-  scores->root_cross = read_roles(field(measure, "root"), "cross");
+  scores->root = root ? scores->own : read_roles(field(measure, "root"), "self");
+  scores->root_cross = root ? scores->own_cross : read_roles(field(measure, "root"), "cross");
   for (const auto& [name, to] : {std::pair{"oracle", &scores->oracle}, std::pair{"uniform", &scores->uniform},
                                  std::pair{"equal_samples", &scores->equal}}) {
     *to = read_roles(field(field(measure, name), "tree"), field(field(measure, name), "expansion"));

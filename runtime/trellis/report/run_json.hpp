@@ -3,6 +3,7 @@
 // include the JSON library.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -19,8 +20,11 @@ Json number(double x);
 /// Returns the place of a quantity in an object.
 Json& place_of(const Quantity& quantity, Json& object);
 
+/// What of a measured set to write: what reports read, that with the profile along the path, or all.
+enum class Contents : std::uint8_t { reported, profile, all };
+
 /// The measured set of samples relative to a target; null without a score.
-Json measured_set(const Efficiency* scored);
+Json measured_set(const Efficiency* scored, Contents contents = Contents::reported);
 /// What one estimator finds. \param of  the set, which bounds it
 Json estimate(const Estimate& estimate, const Efficiency& of);
 Efficiency read_measured_set(const Json& json);
@@ -30,9 +34,10 @@ Json run(const RunFacts& run);
 RunFacts read_run(const Json& json);
 
 /// The scores of a level: its `measure` and its `metrics`.
-void add_scores(const LevelScores* scores, Json& level);
+/// \param root  whether it is the root, whose own space is the root's, so that the scores lifted to it are the same
+void add_scores(const LevelScores* scores, bool root, Json& level);
 /// \return nullptr where the level has no scores
-std::shared_ptr<LevelScores> read_scores(const Json& level);
+std::shared_ptr<LevelScores> read_scores(const Json& level, bool root);
 
 /// The scores of a level of all seeds together.
 Json pooled(const PooledScores& pooled);

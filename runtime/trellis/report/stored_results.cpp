@@ -138,7 +138,7 @@ std::string scores_line(const RunResult& run) {
   Json levels = Json::array();
   for (std::size_t i = 0; i < run.levels.size(); ++i) {
     Json& level = levels.emplace_back(Json::object());
-    json::add_scores(facts.levels[i].scores.get(), level);
+    json::add_scores(facts.levels[i].scores.get(), i == 0, level);
     if (run.levels[i].metrics) level["classes"] = run.levels[i].metrics->classes;
   }
   Json points = Json::array();
@@ -155,7 +155,7 @@ void restore_scores(RunResult& run, const std::string& line) {
     const Json json = Json::parse(line);
     const Json& levels = levels_of(json, run);
     for (std::size_t i = 0; i < levels.size(); ++i) {
-      const auto scores = json::read_scores(levels[i]);
+      const auto scores = json::read_scores(levels[i], i == 0);
       static_cast<LevelScores&>(run.levels[i]) = scores ? *scores : LevelScores();
       if (!levels[i].contains("classes")) continue;
       for (const Json& one : levels[i].at("classes")) {

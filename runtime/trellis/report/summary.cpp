@@ -92,9 +92,7 @@ void bound_below(Figure& figure, double least) {
   for (double* x : {&gain.value, &gain.lo, &gain.hi}) {
     if (*x > most_gain) *x = most_gain;
   }
-  for (const MeasureIndex part :
-       {MeasureIndex("D_parts.spread"), MeasureIndex("SE_parts.mass"), MeasureIndex("SE_parts.spread"),
-        MeasureIndex("SE_parts.along"), MeasureIndex("SE_parts.across")}) {
+  for (const MeasureIndex part : {MeasureIndex("SE_parts.mass"), MeasureIndex("SE_parts.spread")}) {
     at_least(figure[part], 0.0);
   }
 }
@@ -158,7 +156,7 @@ Figure figure(const Levels& levels, Where where, Role role) {
   result.samples = median(values_of(figures, [](const Efficiency& e) { return e.samples; }));
   result.in_target = median(values_of(figures, [](const Efficiency& e) { return e.in_target; }));
   for (const MeasureQuantity& quantity : measure_quantities) {
-    if (!quantity.over_runs) continue;
+    if (!quantity.in_runs) continue;
     // Uniform sampling has its divergence where the samples have none, too.
     const auto& scores = quantity.is("D_uniform") ? all : figures;
     result[MeasureIndex(quantity)] = student_interval(values_of(scores, quantity.of_run));
