@@ -13,6 +13,7 @@
 
 #include <dsl/language/tools/words.hpp>
 #include <dsl/language/words/modules.hpp>
+#include <trellis/planner/loop.hpp>
 #include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {
@@ -105,6 +106,43 @@ std::string link(const std::string& name) {
   return fmt::format("[`{}`](#{})", name, anchor);
 }
 
+/// The options that all planners have.
+const std::vector<Option>& common_options() {
+  static const auto settings = with_common(Settings<CommonSettings>(Component::Kind::planner, "planner", "", ""));
+  return settings.component().options;
+}
+
+/// Returns the common option with the name and the meaning of an option; nullptr where there is none.
+const Option* common_option(const Option& option) {
+  for (const Option& common : common_options()) {
+    if (common.name == option.name && common.doc == option.doc) return &common;
+  }
+  return nullptr;
+}
+
+constexpr std::string_view common_title = "Options of every planner";
+
+std::string common_section() {
+  return fmt::format("### {}\n\nThe default of `goal_bias` is that of `rrt`; planners with another say so.\n\n{}",
+                     common_title, table("Option", rows(common_options())));
+}
+
+/// Returns the own options of a planner as a table, then a line on those of every planner.
+std::string planner_options(const Word& word) {
+  std::string own;
+  std::string others;
+  for (const Option& option : word.options) {
+    const Option* const common = common_option(option);
+    if (common == nullptr) {
+      own += row(option);
+    } else if (!(common->default_value == option.default_value)) {
+      others += fmt::format("; `{}` is {} by default", option.name, code(default_text(option)));
+    }
+  }
+  return table("Option", own) +
+         fmt::format("And the [options of every planner](#options-of-every-planner){}.\n\n", others);
+}
+
 std::string section(const Word& word) {
   std::string text = fmt::format("### {}\n\n", word.name);
   std::string_view lines = word.text;
@@ -130,6 +168,7 @@ std::string section(const Word& word) {
   if (!word.source.empty()) text += fmt::format("\nSource: {}.\n", cell(word.source));
   text += '\n';
   text += table("Argument", rows(word.arguments));
+  if (word.kind == Word::Kind::planner) return text + planner_options(word);
   const bool component = word.kind < Word::Kind::constructor;
   text += table("Option", component ? rows(word.options) + rows(word.fields) : rows(word.fields) + rows(word.options));
   return text;
@@ -284,6 +323,7 @@ std::string reference_markdown() {
   text += '\n';
   for (const auto& [kind, title] : kinds) {
     text += fmt::format("## {}\n\n", title);
+    if (kind == Word::Kind::planner) text += common_section();
     for (const Word& word : words()) {
       if (word.kind == kind) text += section(word);
     }
