@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-namespace trellis {
-
 /// The work of searches, in units of 0.07 us: from the CPU times of `scripts/bench-work --law` (docs/performance.md).
 /// What checks cost, CheckCost says.
-namespace search_cost {
+namespace trellis::search_cost {
 inline constexpr double proposal = 4.0;              ///< with its nearest neighbour
 inline constexpr double guided_proposal = 2.0;       ///< more in a level that guides, or is guided
 inline constexpr double neighbours = 2.5;            ///< a query of k nearest neighbours, and
@@ -22,6 +20,4 @@ inline constexpr double slice = 1.0;                 ///< of a motion, whose pla
 inline constexpr double node_rated = 4.0;            ///< a node, or cell, that a guide rates
 /// A step of inverse kinematics of a manipulator: 0.9 to 1.1 us for Baxter, Fetch, UR5 and Panda.
 inline constexpr double kinematics = 14.0;
-}  // namespace search_cost
-
-}  // namespace trellis
+}  // namespace trellis::search_cost
