@@ -25,8 +25,8 @@ enum class Contents : std::uint8_t { reported, profile, all };
 
 /// The measured set of samples relative to a target; null without a score.
 Json measured_set(const Efficiency* scored, Contents contents = Contents::reported);
-/// What one estimator finds. \param of  the set, which bounds it
-Json estimate(const Estimate& estimate, const Efficiency& of);
+/// What one estimator finds. \param by  its estimates \param of  the set, which bounds it
+Json estimate(const Estimate& by, const Efficiency& of);
 Efficiency read_measured_set(const Json& json);
 
 /// An entry of `runs`.
