@@ -845,7 +845,9 @@ GuideKind decomposition_kind() {
             "its base, that of its tip",
        .h = "a cell of the lead that the tree has reached, by free volume, coverage and how often it was "
             "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
-            "cells, all else uniform (of an arm, by inverse kinematics); any cell with a share of `explore`",
+            "cells, all else uniform (of an arm, by inverse kinematics); any cell with a share of `explore`. A lead "
+            "that a "
+            "guide chose is followed from both ends where two trees grow, mostly in the farthest cell reached",
        .closed_form = true,
        .density = "of the mixture of cells",
        .feedback = "nodes, invalid configurations and crossings are counted by cell; a place that another guide "

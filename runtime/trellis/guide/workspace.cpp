@@ -329,7 +329,7 @@ GuideKind workspace_kind() {
        .density = "of the tube of positions times that of the angles",
        .feedback =
            "new nodes move the stretch on; after `evidence` blocked proposals at one place edges not yet reached "
-           "cost more and S is solved again",
+           "cost more and S is solved again; with a planner that searches no graph S excludes the place",
        .relaxes = true,
        .invalid_ends = "S has no path; the point of a robot that covers it is valid wherever the robot is",
        .fallback = GuideClaims::Fallback::nearest,
