@@ -27,7 +27,7 @@ const Settings<SampledRrtSettings>& sampled_rrt_settings() {
 class SampledRrt final : public Planner {
  public:
   SampledRrt(const SampledRrtSettings& settings, PlannerContext context)
-      : Planner(std::move(context)), settings_(settings), proposal_(context_.instance.space.dimension()) {}
+      : Planner(std::move(context)), settings_(settings), extension_(context_, settings.step) {}
 
   std::optional<Status> begin(const Budget& /*budget*/) override {
     const Instance& instance = context_.instance;
@@ -41,12 +41,15 @@ class SampledRrt final : public Planner {
     return status();
   }
 
-  std::optional<Status> step() override {
-    propose(context_, proposal_);  // draws from h, the guide's part of it included
-    const std::uint32_t added = extend_node(context_, node_near(proposal_), settings_.step);
+  // The proposal was drawn from h, the guide's part of it included.
+  Outcome extend(View proposal) override {
+    const Outcome outcome = extension_.extend(node_near(proposal), proposal);
+    const std::uint32_t added = outcome.added_row;
     if (added != no_node && to_goal(added) < to_goal(best_)) best_ = added;
-    return status();
+    return outcome;
   }
+
+  std::optional<Status> follow() override { return status(); }
 
   Solution solution(Status status) override { return {status, branch_to(context_.search, best_)}; }
 
@@ -71,7 +74,7 @@ class SampledRrt final : public Planner {
   }
 
   SampledRrtSettings settings_;
-  Configuration proposal_;
+  NodeExtension extension_;
   std::uint32_t root_ = no_node;  ///< of the current tree: rows of the search
   std::uint32_t best_ = no_node;  ///< the node nearest to the goal
   std::uint64_t epoch_ = 0;

@@ -26,22 +26,16 @@ const Settings<CommonSettings>& settings() {
 
 class Drawing final : public Planner {
  public:
-  Drawing(const CommonSettings& /*settings*/, PlannerContext context)
-      : Planner(std::move(context)), proposal_(context_.instance.space.dimension()) {}
+  Drawing(const CommonSettings& /*settings*/, PlannerContext context) : Planner(std::move(context)) {}
 
   std::optional<Status> begin(const Budget& /*budget*/) override {
     root_ = add_node(context_, context_.instance.start);
     return std::nullopt;
   }
-  std::optional<Status> step() override {
-    propose(context_, proposal_);
-    record_outcome(context_, {.proposal = proposal_});
-    return std::nullopt;
-  }
+  Outcome extend(View proposal) override { return {.proposal = proposal}; }
   Solution solution(Status status) override { return {status, branch_to(context_.search, root_)}; }
 
  private:
-  Configuration proposal_;
   std::uint32_t root_ = no_node;
 };
 

@@ -158,10 +158,9 @@ class PlannerRun {
     if (!planner_) {
       planner_ = kind.make(options, {*instance, guidance, Stream(seed_, "0", "proposals"), search, guided});
     }
-    const auto prepare = [this]() -> std::optional<Status> {
+    return planner_->solve(guidance, kind.common(options).budget, [this]() -> std::optional<Status> {
       return paused && paused() ? std::optional(Status::paused) : std::nullopt;
-    };
-    return run_steps(*planner_, *instance, search, kind.common(options).budget, {.prepare = prepare});
+    });
   }
   /// After `solve`.
   [[nodiscard]] const Planner& planner() const { return *planner_; }

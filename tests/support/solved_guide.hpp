@@ -52,7 +52,7 @@ inline SolvedGuide solve_guide(const std::string& name, const std::vector<Option
   Budget budget = planner.common(options).budget;
   budget.proposals = std::min({budget.proposals, proposals, s.guide->repairs().effort(false)});
   for (std::int64_t more = 1; more > 0;) {
-    Solution found = s.planner->solve(budget);
+    Solution found = s.planner->solve(*s.uniform, budget);
     const bool solved = found.solved();
     if (solved) s.paths.push_back(found.path);
     if (solved || s.paths.empty()) s.found = std::move(found);

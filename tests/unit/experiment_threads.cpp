@@ -12,6 +12,7 @@
 
 #include <trellis/base/helper_threads.hpp>
 #include <trellis/experiment/cell.hpp>
+#include <trellis/planner/lookahead.hpp>
 #include <trellis/planner/planner.hpp>
 
 #include "support/catch.hpp"
@@ -82,9 +83,9 @@ Outcomes search(const std::string& name, unsigned threads) {
   // PRM* checks tens of motions for each proposal.
   const std::int64_t proposals = name == "prm_star" ? 2500 : 4000;
   const Options options = Options::validate(*kind.component, {{"proposals", proposals}});
-  const auto made = kind.make(
-      options, {*instance, guidance, Stream(1, "0", "proposals"), out.search, false, threads > 1 ? &helpers : nullptr});
-  made->solve(kind.common(options).budget);
+  Lookahead ahead(*instance, guidance, threads > 1 ? &helpers : nullptr);
+  const auto made = kind.make(options, {*instance, guidance, Stream(1, "0", "proposals"), out.search, false, &ahead});
+  made->solve(guidance, kind.common(options).budget);
   out.checks = instance->checks;
   out.helped = *helped;
   return out;

@@ -580,7 +580,7 @@ TEST_CASE("the point's path is the shortest on the grid, and has clearance to ob
   const PlannerKind& kind = *find_planner("graph_search");
   const Options options = Options::validate(*kind.component, {});
   const Solution best = kind.make(options, {checked, *w.uniform, Stream(1, "0", "proposals"), search, false})
-                            ->solve(kind.common(options).budget);
+                            ->solve(*w.uniform, kind.common(options).budget);
   REQUIRE(best.solved());
   CHECK(path_length(space, w.found.path) == Approx(path_length(space, best.path)).epsilon(1e-12));
 }

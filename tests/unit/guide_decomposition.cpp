@@ -37,7 +37,7 @@ struct Lead {
     UniformGuidance uniform(sub->space);
     Search search(2);
     found = planner.make(options, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false})
-                ->solve(planner.common(options).budget);
+                ->solve(uniform, planner.common(options).budget);
     REQUIRE(found.solved());
     h = guide->heuristic(*parent, sub.get(), &found);
   }

@@ -66,8 +66,8 @@ struct Retrieved {
 
   void solve() {
     const Budget budget;
-    found = planner->solve(budget);
-    while (guide->repairs().another(found.solved() ? &found : nullptr) > 0) found = planner->solve(budget);
+    found = planner->solve(*uniform, budget);
+    while (guide->repairs().another(found.solved() ? &found : nullptr) > 0) found = planner->solve(*uniform, budget);
     h = guide->heuristic(*parent, sub.get(), &found);
   }
 };

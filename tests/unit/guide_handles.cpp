@@ -172,7 +172,7 @@ TEST_CASE("the path of the workspace is lifted to robots whose handles lie near 
   const PlannerKind& planner = *find_planner(kind.default_planner);
   const Options options = Options::validate(*planner.component, {});
   const Solution found = planner.make(options, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false})
-                             ->solve(planner.common(options).budget);
+                             ->solve(uniform, planner.common(options).budget);
   REQUIRE(found.solved());
   const auto h = guide->heuristic(*parent, sub.get(), &found);
   const Configurations path = h->lifted_path();

@@ -87,7 +87,7 @@ TEST_CASE("with its ends on it, a path of the subspace is one of C", "[guide][pc
   Search search(2);
   const Options options = Options::validate(*planner.component, {{"step", 0.1}});
   const Solution found = planner.make(options, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false})
-                             ->solve(planner.common(options).budget);
+                             ->solve(uniform, planner.common(options).budget);
   REQUIRE(found.solved());
   const auto h = guide->heuristic(*parent, sub.get(), &found);
   const Configurations path = h->lifted_path();

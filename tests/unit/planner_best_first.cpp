@@ -52,7 +52,7 @@ struct Search2 {
     budget = kind.common(options).budget;
     planner = kind.make(options, {*instance, *guidance, Stream(1, "0", "proposals"), search, guided});
   }
-  Solution solve() const { return planner->solve(budget); }
+  Solution solve() const { return planner->solve(*guidance, budget); }
 };
 
 void check_path(Search2& run, const Solution& solution) {
@@ -212,5 +212,5 @@ TEST_CASE("best_first searches by a model, and says which models it cannot use",
   const PlannerKind& kind = *find_planner("best_first");
   const Options options = Options::validate(*kind.component, {{"model", folder.file("gaps.model")}});
   const auto planner = kind.make(options, {*instance, guidance, Stream(1, "0", "proposals"), search, false});
-  CHECK_THROWS_WITH(planner->solve(kind.common(options).budget), Contains("needs a graph in the plane"));
+  CHECK_THROWS_WITH(planner->solve(guidance, kind.common(options).budget), Contains("needs a graph in the plane"));
 }

@@ -74,7 +74,7 @@ Search search_with(const PlannerKind& kind, const Problem& given, int solves = 1
   Search search(instance->space.dimension());
   const Options options = Options::validate(*kind.component, {});
   auto planner = kind.make(options, {*instance, guidance, Stream(1, "0", "proposals"), search, false});
-  for (int i = 0; i < solves; ++i) static_cast<void>(planner->solve(kind.common(options).budget));
+  for (int i = 0; i < solves; ++i) static_cast<void>(planner->solve(guidance, kind.common(options).budget));
   return search;
 }
 

@@ -33,7 +33,7 @@ Run run(const Problem& problem, std::uint64_t seed, const std::function<std::uni
   out.search = Search(instance->space.dimension());
   const Options options = Options::validate(*kind.component, given);
   auto planner = kind.make(options, {*instance, *guidance, Stream(seed, "0", "proposals"), out.search, guided});
-  out.solution = planner->solve(kind.common(options).budget);
+  out.solution = planner->solve(*guidance, kind.common(options).budget);
   out.checks = instance->checks;
   return out;
 }
@@ -147,7 +147,7 @@ struct GeneralizedLazySearch {
     planner = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false});
   }
   double solve() {
-    solution = planner->solve(budget);
+    solution = planner->solve(guidance, budget);
     return solution.solved() ? path_length(instance->space, solution.path) : 0.0;
   }
   [[nodiscard]] bool valid() const {

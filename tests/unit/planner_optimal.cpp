@@ -50,7 +50,7 @@ Run run(const std::string& planner, const Problem& problem, std::uint64_t seed, 
   given.emplace_back("improve", improve);
   const Options options = Options::validate(*kind.component, given);
   auto search_planner = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), out.search, false});
-  for (int i = 0; i < solves; ++i) out.solution = search_planner->solve(kind.common(options).budget);
+  for (int i = 0; i < solves; ++i) out.solution = search_planner->solve(guidance, kind.common(options).budget);
   out.checks = instance->checks;
   out.reported = guidance.lengths;
   if (out.solution.solved()) out.length = path_length(problem.space, out.solution.path);

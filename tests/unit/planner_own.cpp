@@ -30,7 +30,7 @@ class Idle final : public Planner {
     static_cast<void>(budget);
     return Status::untried;
   }
-  std::optional<Status> step() override { return Status::untried; }
+  Outcome extend(View /*proposal*/) override { return {}; }
   Solution solution(Status status) override { return {status, {}}; }
 };
 

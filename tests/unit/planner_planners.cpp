@@ -40,7 +40,7 @@ Outcomes run(const PlannerKind& kind, const Problem& given_problem, std::uint64_
   out.search.proposals = Configurations(instance->space.dimension());
   const Options options = options_of(kind, given);
   auto planner = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), out.search, false});
-  for (int i = 0; i < solves; ++i) out.solution = planner->solve(kind.common(options).budget);
+  for (int i = 0; i < solves; ++i) out.solution = planner->solve(guidance, kind.common(options).budget);
   out.checks = instance->checks;
   return out;
 }

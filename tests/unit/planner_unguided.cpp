@@ -90,7 +90,7 @@ std::uint64_t fingerprint(const std::string& planner, std::vector<Options::Entry
       Search search(instance->space.dimension());
       auto plan = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false});
       for (int solve = 0; solve < 2; ++solve) {
-        const Solution solution = plan->solve(common.budget);
+        const Solution solution = plan->solve(guidance, common.budget);
         // A lazy roadmap that has spent its proposals continues without them; these digests predate that.
         if (planner == "lazy_prm" && search.proposals.size() >= 3000) break;
         add_search(print, search, instance->checks, solution);

@@ -384,7 +384,7 @@ TEST_CASE("a graph of positions goes round what another space's evidence refuted
       const PlannerKind& planner = *find_planner("graph_search");
       found =
           planner.make(Options::validate(*planner.component, {}), {*sub, uniform, Stream(1, "", ""), search, false})
-              ->solve({});
+              ->solve(uniform, {});
       REQUIRE(found.solved());
       double highest = 0.0;
       for (std::size_t i = 0; i < found.path.size(); ++i) highest = std::max(highest, found.path[i][1]);

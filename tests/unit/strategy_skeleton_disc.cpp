@@ -74,7 +74,7 @@ TEST_CASE("the skeleton has a path wherever a disc has one", "[strategy][skeleto
     Search record(2);
     UniformGuidance uniform(sub->space);
     const Solution solution = search.make(none_given, {*sub, uniform, Stream(1, "skeleton", "search"), record, false})
-                                  ->solve(search.common(none_given).budget);
+                                  ->solve(uniform, search.common(none_given).budget);
     found += solution.solved() ? 1 : 0;
     if (solution.status != Status::no_path) continue;
     ++none;

@@ -52,7 +52,7 @@ Solution searched(const Problem& problem, const std::vector<Options::Entry>& opt
   UniformGuidance uniform(sub->space);
   Search search(3);
   Solution found = planner.make(none, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false})
-                       ->solve(planner.common(none).budget);
+                       ->solve(uniform, planner.common(none).budget);
   for (std::size_t i = 1; i < found.path.size(); ++i) CHECK(sub->motion(found.path[i - 1], found.path[i]).valid);
   return found;
 }

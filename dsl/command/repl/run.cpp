@@ -80,7 +80,7 @@ void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& int
     ExecuteOptions options;
     options.watch = [&run](const LevelRecord& level, const Guidance&) {
       ++run.proposals;
-      run.last = {level.level, level.search.proposals.size()};
+      run.last = {level.level, level.search.proposals.size() - 1};
     };
     run.execution = std::make_unique<Execution>(run.strategy, run.problem, run.seed, options);
   }

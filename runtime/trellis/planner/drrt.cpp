@@ -80,6 +80,49 @@ class Drrt final : public StartTreePlanner {
 
   [[nodiscard]] bool draws() const override { return StartTreePlanner::draws() && !growing_; }
 
+  Plan plan() override { return {.proposal = !repairing() && !growing_ && !full()}; }
+
+  Outcome extend(View proposal) override {
+    const auto near = tree_->to_extend(proposal);
+    const bool to_goal = context_.instance.to_goal(proposal) <= context_.instance.goal_tolerance;
+    Place next = places_[near.id];
+    for (std::size_t i = 0; i < robots_.size(); ++i) next[i] = towards(robots_[i], next[i], proposal, to_goal);
+    Outcome outcome;
+    outcome.proposal = proposal;
+    added_ = no_node;
+    if (!seen_.contains(next)) {
+      const std::size_t before = tree_->size();
+      const std::uint32_t reached = move(near.id, next, outcome);
+      if (tree_->size() > before) added_ = reached;
+    }
+    outcome.near = (*tree_)[near.id];
+    outcome.near_row = tree_->row(near.id);
+    if (added_ != no_node) {
+      outcome.added = (*tree_)[added_];
+      outcome.added_row = tree_->row(added_);
+    }
+    return outcome;
+  }
+
+  std::optional<Status> follow() override {
+    if (added_ != no_node && best_ == added_ && !solved_) connect_goal(added_);
+    return ended();
+  }
+
+  std::optional<Status> work() override {
+    if (repairing()) return StartTreePlanner::work();
+    if (growing_) {
+      grow();
+    } else {
+      // Larger roadmaps may have a path.
+      drawn_before_ = context_.search.proposals.size();
+      wanted_ *= 2;
+      rounds_ = 0;
+      growing_ = true;
+    }
+    return ended();
+  }
+
  protected:
   void plant() override {
     places_.clear();
@@ -87,39 +130,6 @@ class Drrt final : public StartTreePlanner {
     places_.emplace_back(robots_.size(), RobotRoadmap::start);
     seen_.emplace(places_.front(), 0);
     StartTreePlanner::plant();
-  }
-
-  void iterate() override {
-    if (growing_) {
-      grow();
-      return;
-    }
-    // Where the tree has filled its roadmaps, larger ones may have a path.
-    constexpr std::size_t proposals_per_vertex = 10;
-    if (context_.search.proposals.size() - drawn_before_ >= proposals_per_vertex * wanted_) {
-      drawn_before_ = context_.search.proposals.size();
-      wanted_ *= 2;
-      rounds_ = 0;
-      growing_ = true;
-      return;
-    }
-    propose(context_, sample_);
-    const auto near = tree_->to_extend(sample_);
-    const bool to_goal = context_.instance.to_goal(sample_) <= context_.instance.goal_tolerance;
-    Place next = places_[near.id];
-    for (std::size_t i = 0; i < robots_.size(); ++i) next[i] = towards(robots_[i], next[i], to_goal);
-    Outcome outcome;
-    outcome.proposal = sample_;
-    std::uint32_t added = no_node;
-    if (!seen_.contains(next)) {
-      const std::size_t before = tree_->size();
-      added = move(near.id, next, outcome);
-      if (tree_->size() == before) added = no_node;
-    }
-    outcome.near = (*tree_)[near.id];
-    if (added != no_node) outcome.added = (*tree_)[added];
-    record_outcome(context_, outcome, tree_->row(near.id), added != no_node ? tree_->row(added) : no_node);
-    if (added != no_node && best_ == added && !solved_) connect_goal(added);
   }
 
   void pruned(const std::vector<std::uint32_t>& ids) override {
@@ -136,6 +146,12 @@ class Drrt final : public StartTreePlanner {
  private:
   /// The vertex of each robot in its roadmap.
   using Place = std::vector<std::uint32_t>;
+
+  /// Whether the tree has filled its roadmaps.
+  [[nodiscard]] bool full() const {
+    constexpr std::size_t proposals_per_vertex = 10;
+    return context_.search.proposals.size() - drawn_before_ >= proposals_per_vertex * wanted_;
+  }
 
   static Configuration part_of(const RobotRoadmap& robot, View q) {
     Configuration part;
@@ -243,13 +259,14 @@ class Drrt final : public StartTreePlanner {
   }
 
   /// The neighbour of a vertex in the direction of the proposal, or the next one on the path to the goal.
-  [[nodiscard]] std::uint32_t towards(const RobotRoadmap& robot, std::uint32_t vertex, bool to_goal) const {
+  [[nodiscard]] std::uint32_t towards(const RobotRoadmap& robot, std::uint32_t vertex, View proposal,
+                                      bool to_goal) const {
     if (to_goal) return robot.on[vertex] != no_node ? robot.on[vertex] : vertex;
     const std::size_t d = robot.space.degrees();
     const View from = robot.vertices[vertex];
     Configuration wanted(d);
     Configuration along(d);
-    robot.space.log(from, part_of(robot, sample_), wanted);
+    robot.space.log(from, part_of(robot, proposal), wanted);
     std::uint32_t best = vertex;
     double most = -std::numeric_limits<double>::infinity();
     for (const std::uint32_t u : robot.neighbours[vertex]) {
@@ -332,6 +349,7 @@ class Drrt final : public StartTreePlanner {
   bool growing_ = true;                                               ///< the roadmaps are not complete
   std::size_t wanted_ = static_cast<std::size_t>(settings_.roadmap);  ///< vertices of each roadmap
   std::size_t rounds_ = 0;                                            ///< of adding them
+  std::uint32_t added_ = no_node;                                     ///< for the last proposal
   std::size_t drawn_before_ = 0;                                      ///< proposals when the roadmaps last grew
 };
 

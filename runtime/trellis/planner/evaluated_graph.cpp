@@ -182,33 +182,31 @@ void EvaluatedGraph::begin_proposals(std::int64_t samples) {
   paths_ = false;
   proposals_left_ = samples;
   connected_ = reachable();
-  sample_.resize(context_.instance.space.dimension());
 }
 
-void EvaluatedGraph::draw_proposal() {
-  propose(context_, sample_);
+Outcome EvaluatedGraph::extend(View proposal) {
   drawn_ += 1.0;
   --proposals_left_;
   Outcome outcome;
-  outcome.proposal = sample_;
+  outcome.proposal = proposal;
   // Where the guidance has paths, one proposal is enough, and needs no index.
   if (drawn_ > 1.0 && !index_) {
     make_index();
     hit(first_proposal_);
   }
   if (!index_) {
-    first_proposal_ = sample_;
-    const std::uint32_t near = nearest_vertex(sample_);
+    first_proposal_.assign(proposal.begin(), proposal.end());
+    const std::uint32_t near = nearest_vertex(proposal);
     outcome.near = std::as_const(graph_->vertices)[near];
     outcome.connected = connected_[near] != 0;
   } else if (index_->size() > 0) {
-    const std::uint32_t near = hit(sample_);
+    const std::uint32_t near = hit(proposal);
     outcome.near = std::as_const(middles_)[near];
     outcome.connected = connected_[graph_->edges[middle_edge_[near]].from] != 0;
   }
   outcome.added = outcome.near;
   outcome.fate = outcome.added.empty() ? Fate::rejected : Fate::advanced;
-  record_outcome(context_, outcome);
+  return outcome;
 }
 
 std::uint32_t EvaluatedGraph::hit(View q) {
@@ -379,12 +377,11 @@ std::optional<Status> GraphPlanner::begin_drawing(bool anew) {
   return std::nullopt;
 }
 
-std::optional<Status> GraphPlanner::step() {
-  if (!drawing_) return search_step();
-  if (evaluated_.finds_paths()) return end_drawing();
-  evaluated_.draw_proposal();
-  return evaluated_.proposals_left() > 0 ? std::nullopt : end_drawing();
-}
+Plan GraphPlanner::plan() { return {.proposal = drawing_ && !evaluated_.finds_paths()}; }
+
+std::optional<Status> GraphPlanner::follow() { return evaluated_.proposals_left() > 0 ? std::nullopt : end_drawing(); }
+
+std::optional<Status> GraphPlanner::work() { return drawing_ ? end_drawing() : search_step(); }
 
 std::optional<Status> GraphPlanner::stopped(Status limit) {
   paused_ = limit == Status::paused || limit == Status::interrupted;

@@ -84,7 +84,7 @@ class EvaluatedGraph {
   /// Begins to draw `samples` proposals.
   void begin_proposals(std::int64_t samples);
   /// Draws one of them.
-  void draw_proposal();
+  Outcome extend(View proposal);
   /// How many are left to draw.
   [[nodiscard]] std::int64_t proposals_left() const { return proposals_left_; }
   /// Whether the guidance has paths that weigh the edges: then no further proposals are required. Asks after each power
@@ -153,8 +153,7 @@ class EvaluatedGraph {
   std::int64_t proposals_left_ = 0;
   Configuration first_proposal_;  ///< the first proposal, which has no index yet
   std::vector<char> connected_;   ///< `reachable` when the proposals began
-  Configuration sample_;
-  bool paths_ = false;  ///< the guidance had paths when last asked
+  bool paths_ = false;            ///< the guidance had paths when last asked
   Weights weights_ = Weights::none;
   std::vector<double> edge_factors_;    ///< those computed; else 0
   std::vector<double> vertex_factors_;  ///< those computed; else 0
@@ -176,7 +175,10 @@ class GraphPlanner : public Planner {
  public:
   /// The search draws no more proposals, so the limit of proposals must not end it.
   [[nodiscard]] bool draws() const final { return drawing_; }
-  std::optional<Status> step() final;
+  Plan plan() final;
+  Outcome extend(View proposal) final { return evaluated_.extend(proposal); }
+  std::optional<Status> follow() final;
+  std::optional<Status> work() final;
   /// If a budget is spent, the search uses the proposals drawn so far.
   std::optional<Status> stopped(Status limit) final;
   [[nodiscard]] Solution solution(Status status) final;

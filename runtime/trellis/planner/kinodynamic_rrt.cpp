@@ -69,6 +69,41 @@ class KinodynamicRrt final : public StartTreePlanner {
     record.dt = model_.dt();
   }
 
+  Outcome extend(View proposal) override {
+    const auto near = tree_->to_extend(proposal);
+    const View node = (*tree_)[near.id];
+    from_.assign(node.begin(), node.end());
+    towards_ = trajectory_from(from_, tree_->row(near.id), proposal);
+    driven_ = drive(from_, towards_, most_steps_);
+    record_controls(towards_, driven_);
+    Outcome outcome;
+    if (towards_.steps.size() == 1) {
+      outcome.control = std::as_const(towards_.controls).front();
+      outcome.steps = driven_.ends.empty() ? 0 : driven_.ends.back();
+    }
+    outcome.proposal = proposal;
+    outcome.near = from_;
+    outcome.near_row = tree_->row(near.id);
+    outcome.blocked_at = driven_.blocked;
+    added_ = no_node;
+    if (driven_.ends.empty()) return outcome;
+    added_ = add(near.id, driven_, towards_);
+    outcome.added = std::as_const(driven_.states)[driven_.ends.back() - 1];
+    outcome.added_row = tree_->row(added_);
+    const double left = context_.instance.space.distance(outcome.added, proposal);
+    outcome.fate = left == 0.0 ? Fate::reached : Fate::advanced;
+    proposal_ = proposal;
+    return outcome;
+  }
+  std::optional<Status> follow() override {
+    if (added_ != no_node) {
+      report_pieces(driven_, added_, driven_.ends.size() - 1, proposal_);
+      const View added = std::as_const(driven_.states)[driven_.ends.back() - 1];
+      if (!solved_ && context_.instance.to_goal(added) <= settings_.connect) connect(added_, added);
+    }
+    return ended();
+  }
+
  protected:
   void plant() override {
     edges_.assign(1, {});
@@ -99,36 +134,6 @@ class KinodynamicRrt final : public StartTreePlanner {
     return true;
   }
 
-  void iterate() override {
-    auto& instance = context_.instance;
-    const auto& space = instance.space;
-    propose(context_, sample_);
-    const auto near = tree_->to_extend(sample_);
-    const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
-    const Trajectory trajectory = trajectory_from(from, tree_->row(near.id));
-    const Driven driven = drive(from, trajectory, most_steps_);
-    record_controls(trajectory, driven);
-    Outcome outcome;
-    if (trajectory.steps.size() == 1) {
-      outcome.control = std::as_const(trajectory.controls).front();
-      outcome.steps = driven.ends.empty() ? 0 : driven.ends.back();
-    }
-    outcome.proposal = sample_;
-    outcome.near = from;
-    outcome.blocked_at = driven.blocked;
-    if (driven.ends.empty()) {
-      record_outcome(context_, outcome, tree_->row(near.id));
-      return;
-    }
-    const std::uint32_t id = add(near.id, driven, trajectory);
-    const View added = std::as_const(driven.states)[driven.ends.back() - 1];
-    outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
-    outcome.added = added;
-    record_outcome(context_, outcome, tree_->row(near.id), tree_->row(id));
-    report_pieces(driven, id, driven.ends.size() - 1, sample_);
-    if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
-  }
-
   [[nodiscard]] Solution finish(Status status) const override { return to_node(status, best_); }
   [[nodiscard]] Solution unrepaired(Status status) const override { return to_node(status, 0); }
 
@@ -154,7 +159,7 @@ class KinodynamicRrt final : public StartTreePlanner {
 
   /// Samples controls and durations, and returns the control whose end state is nearest to the proposal. Makes no
   /// validity check.
-  std::uint32_t choose_control(View from) {
+  std::uint32_t choose_control(View from, View proposal) {
     const auto& space = context_.instance.space;
     double least = std::numeric_limits<double>::infinity();
     std::uint32_t chosen = 0;
@@ -164,7 +169,7 @@ class KinodynamicRrt final : public StartTreePlanner {
       context_.instance.spend(model_.step_work() * static_cast<double>(steps));
       std::copy(from.begin(), from.end(), state_.begin());
       for (std::uint32_t k = 0; k < steps; ++k) model_.step(space, state_, control_, state_);
-      const double distance = space.squared_distance(state_, sample_);
+      const double distance = space.squared_distance(state_, proposal);
       if (distance >= least) continue;
       least = distance;
       chosen = steps;
@@ -232,10 +237,10 @@ class KinodynamicRrt final : public StartTreePlanner {
 
   /// The trajectory from a node towards the proposal: under the control that the guidance draws, along a curve, or
   /// under a random control.
-  Trajectory trajectory_from(View from, std::uint32_t row) {
+  Trajectory trajectory_from(View from, std::uint32_t row, View proposal) {
     const auto longest = static_cast<std::uint32_t>(most_steps_);
     if (const std::uint32_t steps =
-            context_.guidance.draw_control(context_.proposals, {from, row, sample_, longest}, control_)) {
+            context_.guidance.draw_control(context_.proposals, {from, row, proposal, longest}, control_)) {
       if (steps > longest || !model_.allows(control_)) throw Fault("a guide drew a control out of its bounds");
       Trajectory trajectory{Configurations(model_.controls().size()), {steps}, model_.dt()};
       trajectory.controls.push(control_);
@@ -243,10 +248,10 @@ class KinodynamicRrt final : public StartTreePlanner {
     }
     if (curves_) {
       context_.instance.spend(steering_work_);
-      auto curve = steer_at(model_, from, sample_, context_.proposals.uniform());
+      auto curve = steer_at(model_, from, proposal, context_.proposals.uniform());
       if (curve && !curve->steps.empty()) return std::move(*curve);
     }
-    Trajectory trajectory{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
+    Trajectory trajectory{Configurations(model_.controls().size()), {choose_control(from, proposal)}, model_.dt()};
     trajectory.controls.push(best_control_);
     return trajectory;
   }
@@ -314,6 +319,12 @@ class KinodynamicRrt final : public StartTreePlanner {
   double steering_work_;     ///< of a curve
   std::size_t most_steps_;   ///< longest duration of a control, in steps
   std::vector<Edge> edges_;  ///< of each node; unused for the root
+  // Of the last proposal:
+  View proposal_;
+  Configuration from_;             ///< the node that was extended
+  Trajectory towards_;             ///< as chosen
+  Driven driven_;                  ///< its valid part
+  std::uint32_t added_ = no_node;  ///< the last node of that
   Configurations controls_;
   Configuration state_;
   Configuration control_;

@@ -15,7 +15,7 @@ constexpr std::size_t most_rounds = 6;
 
 }  // namespace
 
-Lookahead::Timed Lookahead::begin(Steps& of) {
+Lookahead::Timed Lookahead::begin(StepsAhead& of, const Stream& stream) {
   present_ = nullptr;
   if (of.nodes() < fewest_nodes) return Timed(nullptr);
   if (left_ == 0) next_phase(of);
@@ -25,7 +25,7 @@ Lookahead::Timed Lookahead::begin(Steps& of) {
     const bool computes = next_ == count_;
     // The steps of a turn that began in the phase before are part of it.
     const auto begin = measures && computes ? Clock::now() : Clock::time_point();
-    if (computes && !compute(of)) {
+    if (computes && !compute(of, stream)) {
       of.mark_new_nodes(false);
       enter(Phase::alone, between_measurements);
       return Timed(nullptr);
@@ -43,7 +43,7 @@ void Lookahead::enter(Phase phase, std::size_t steps) {
   spent_ = {};
 }
 
-void Lookahead::next_phase(Steps& of) {
+void Lookahead::next_phase(StepsAhead& of) {
   const double step = taken_ > 0 ? std::chrono::duration<double>(spent_).count() / static_cast<double>(taken_) : 0.0;
   switch (phase_) {
     case Phase::measure_alone:
@@ -71,14 +71,13 @@ void Lookahead::next_phase(Steps& of) {
 }
 
 bool Lookahead::has_validities() {
-  const Instance& instance = context_.instance;
-  const unsigned workers = context_.helpers->workers();
-  const bool equal = validities_.size() == workers && validities_.front() == instance.validity;
-  if (equal && epoch_ == instance.epoch()) return true;
-  validities_.assign(1, instance.validity);
-  epoch_ = instance.epoch();
+  const unsigned workers = helpers_->workers();
+  const bool equal = validities_.size() == workers && validities_.front() == instance_.validity;
+  if (equal && epoch_ == instance_.epoch()) return true;
+  validities_.assign(1, instance_.validity);
+  epoch_ = instance_.epoch();
   while (validities_.size() < workers) {
-    validities_.push_back(instance.validity->for_thread());
+    validities_.push_back(instance_.validity->for_thread());
     if (validities_.back() == nullptr) {
       validities_.clear();
       return false;
@@ -87,26 +86,25 @@ bool Lookahead::has_validities() {
   return true;
 }
 
-bool Lookahead::compute(Steps& of) {
+bool Lookahead::compute(StepsAhead& of, Stream stream) {
   if (!has_validities()) return false;
   // Of many steps some meet nodes that are newer; of few, helpers wait for each other.
-  const unsigned workers = context_.helpers->workers();
+  const unsigned workers = helpers_->workers();
   const std::size_t most = std::clamp<std::size_t>(of.nodes() / 4, 16UL * workers, 128UL * workers);
   if (steps_.size() < most) steps_.resize(most);
-  const std::size_t dimension = context_.instance.space.dimension();
-  Stream stream = context_.proposals;
+  const std::size_t dimension = instance_.space.dimension();
   next_ = 0;
   for (count_ = 0; count_ < most; ++count_) {
     StepAhead& step = steps_[count_];
     step.clear();
     step.proposal.resize(dimension);
     step.target.resize(dimension);
-    if (!context_.guidance.preview(stream, step.proposal)) break;
+    if (!h_.preview(stream, step.proposal)) break;
   }
   if (count_ == 0) return false;
   // This thread is one of them. The search announces the checks of a step when the step comes.
   const MonitorScope unmonitored(nullptr);
-  context_.helpers->run(count_, [&](std::size_t i, unsigned worker) {
+  helpers_->run(count_, [&](std::size_t i, unsigned worker) {
     try {
       of.look_ahead(i, steps_[i], *validities_[worker]);
     } catch (...) {

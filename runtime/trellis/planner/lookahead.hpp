@@ -83,6 +83,20 @@ class StepAhead {
   std::size_t motion_count_ = 0;
 };
 
+/// The coming steps of a planner, as far as they are computed ahead.
+class StepsAhead {
+ public:
+  virtual ~StepsAhead() = default;
+  /// The number of nodes of the search; 0 where steps cannot be computed ahead.
+  [[nodiscard]] virtual std::size_t nodes() const = 0;
+  /// Fills in a step, from its proposal on. Called by helpers.
+  /// \param step  index of the step among those to come: 0 is the next one
+  virtual void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const = 0;
+  /// Called when steps have been computed, and where that ends.
+  /// \param begins  nodes that are added from now on are new to the steps; else none is
+  virtual void mark_new_nodes(bool begins) = 0;
+};
+
 /// The steps ahead of one planner, computed in turns by its helpers while the search waits. Answers are those that the
 /// search would find itself, because motions are asked of equal checkers, and nodes that were added since are compared
 /// (Tree::nearest). A step that does not come, or that asks something else, costs time alone.
@@ -92,19 +106,6 @@ class StepAhead {
 /// does without them where they do not.
 class Lookahead {
  public:
-  /// A planner, as far as its steps are computed ahead.
-  class Steps {
-   public:
-    virtual ~Steps() = default;
-    /// The number of nodes of the search; 0 where steps cannot be computed ahead.
-    [[nodiscard]] virtual std::size_t nodes() const = 0;
-    /// Fills in a step, from its proposal on. Called by helpers.
-    /// \param step  index of the step among those to come: 0 is the next one
-    virtual void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const = 0;
-    /// Called when steps have been computed, and where that ends.
-    /// \param begins  nodes that are added from now on are new to the steps; else none is
-    virtual void mark_new_nodes(bool begins) = 0;
-  };
   /// Measures a step, while it exists.
   class Timed {
    public:
@@ -122,12 +123,16 @@ class Lookahead {
     std::chrono::steady_clock::time_point begin_;
   };
 
-  explicit Lookahead(const PlannerContext& context) : context_(context) {}
+  /// \param h  that the proposals are drawn from
+  /// \param helpers  nullptr: nothing is computed ahead
+  Lookahead(const Instance& instance, const Guidance& h, HelperThreads* helpers)
+      : instance_(instance), h_(h), helpers_(helpers) {}
 
-  /// Begins a step: computes further ones if none is left.
-  [[nodiscard]] Timed begin_step(Steps& of) {
-    if (context_.helpers == nullptr) return Timed(nullptr);
-    return begin(of);
+  /// Begins a step with a proposal: computes further ones if none is left.
+  [[nodiscard]] Timed begin_step(Planner& planner) {
+    if (helpers_ == nullptr) return Timed(nullptr);
+    StepsAhead* of = planner.coming();
+    return of != nullptr ? begin(*of, planner.stream()) : Timed(nullptr);
   }
   /// Called with the proposal that was drawn.
   void drawn(View proposal) {
@@ -145,15 +150,17 @@ class Lookahead {
   using Clock = std::chrono::steady_clock;
   enum class Phase : std::uint8_t { measure_alone, measure_ahead, alone, ahead };
 
-  Timed begin(Steps& of);
-  void next_phase(Steps& of);
+  Timed begin(StepsAhead& of, const Stream& stream);
+  void next_phase(StepsAhead& of);
   void enter(Phase phase, std::size_t steps);
   /// Returns whether steps were computed.
-  bool compute(Steps& of);
+  bool compute(StepsAhead& of, Stream stream);
   void find(View proposal);
   [[nodiscard]] bool has_validities();
 
-  const PlannerContext& context_;
+  const Instance& instance_;
+  const Guidance& h_;
+  HelperThreads* helpers_;
   std::vector<StepAhead> steps_;
   std::size_t count_ = 0;  ///< steps of this turn
   std::size_t next_ = 0;

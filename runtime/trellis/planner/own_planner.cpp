@@ -2,19 +2,10 @@
 #include <trellis/planner/own_planner.hpp>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace trellis {
-
-namespace {
-
-// A view of a row is invalid after the next row is added.
-Configuration row_of(const Configurations& rows, std::uint32_t row) {
-  const View q = rows[row];
-  return {q.begin(), q.end()};
-}
-
-}  // namespace
 
 std::uint32_t add_node(PlannerContext& context, View q, std::uint32_t parent) {
   const std::uint32_t row = context.search.nodes.push(q);
@@ -22,32 +13,34 @@ std::uint32_t add_node(PlannerContext& context, View q, std::uint32_t parent) {
   return row;
 }
 
-std::uint32_t extend_node(PlannerContext& context, std::uint32_t from, double step) {
-  const Space& space = context.instance.space;
-  const Configuration near = row_of(context.search.nodes, from);
-  const Configuration proposal =
-      row_of(context.search.proposals, static_cast<std::uint32_t>(context.search.proposals.size() - 1));
-  Configuration target(space.dimension());
-  Configuration blocked(space.dimension());
+NodeExtension::NodeExtension(PlannerContext& context, double step)
+    : context_(context),
+      step_(step),
+      target_(context.instance.space.dimension()),
+      blocked_(context.instance.space.dimension()) {}
+
+Outcome NodeExtension::extend(std::uint32_t from, View proposal) {
+  const Space& space = context_.instance.space;
+  const auto near = [&] { return std::as_const(context_.search.nodes)[from]; };
   Outcome outcome;
   outcome.proposal = proposal;
-  outcome.near = near;
-  std::uint32_t added = no_node;
-  const double distance = std::sqrt(space.squared_distance(near, proposal));
+  outcome.near_row = from;
+  const double distance = std::sqrt(space.squared_distance(near(), proposal));
   if (distance > 0.0) {
-    const bool reaches = steer(space, near, proposal, distance, step, target);
-    const MotionReport motion = context.instance.motion(near, target);
+    const bool reaches = steer(space, near(), proposal, distance, step_, target_);
+    const MotionReport motion = context_.instance.motion(near(), target_);
     if (motion.valid) {
-      added = add_node(context, target, from);
+      outcome.added_row = add_node(context_, target_, from);
       outcome.fate = reaches ? Fate::reached : Fate::advanced;
-      outcome.added = target;
+      outcome.added = target_;
     } else {
-      space.interpolate(near, target, motion.invalid_at, blocked);
-      outcome.blocked_at = blocked;
+      space.interpolate(near(), target_, motion.invalid_at, blocked_);
+      outcome.blocked_at = blocked_;
     }
   }
-  record_outcome(context, outcome, from, added);
-  return added;
+  // A view of a node is invalid after the next one is added.
+  outcome.near = near();
+  return outcome;
 }
 
 Configurations branch_to(const Search& search, std::uint32_t row) {

@@ -12,8 +12,9 @@
 #include <trellis/base/error.hpp>
 #include <trellis/planner/common_options.hpp>
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/lookahead.hpp>
 #include <trellis/planner/own_planner.hpp>
+#include <trellis/planner/step.hpp>
 
 namespace trellis {
 
@@ -31,7 +32,34 @@ std::string_view to_string(Status status) {
   throw Fault("unknown status");
 }
 
-Solution Planner::solve(const Budget& budget) { return run_steps(*this, context_.instance, context_.search, budget); }
+Solution Planner::solve(Guidance& h, const Budget& budget, const std::function<std::optional<Status>()>& limit) {
+  BudgetMonitor monitor(context_.instance, context_.search, budget);
+  Lookahead alone(context_.instance, h, nullptr);
+  Lookahead& ahead = context_.ahead != nullptr ? *context_.ahead : alone;
+  ahead.clear();
+  Configuration proposal(context_.instance.space.dimension());
+  std::optional<Status> ended = begin(budget);
+  while (!ended) {
+    std::optional<Status> reached;
+    if (monitor.reached(draws())) {
+      reached = Status::budget_spent;
+    } else if (limit) {
+      reached = limit();
+    }
+    if (reached) {
+      ended = stopped(*reached);
+    } else if (const Plan next = plan(); next.proposal) {
+      const Lookahead::Timed timed = ahead.begin_step(*this);
+      draw_proposal(h, next, stream(), context_.search, proposal);
+      ahead.drawn(proposal);
+      record_outcome(h, extend(proposal), context_.search);
+      ended = follow();
+    } else {
+      ended = work();
+    }
+  }
+  return solution_of(*this, context_.instance, *ended);
+}
 
 namespace {
 

@@ -25,7 +25,6 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerC
       connection_(connection),
       best_(context_, mode.improve),
       index_(context_.instance.space),
-      lookahead_(context_),
       blocked_motions_(dimension()),
       sample_(dimension()),
       target_(dimension()),
@@ -41,7 +40,6 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerC
 std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
   static_cast<void>(budget);
   auto& instance = context_.instance;
-  lookahead_.clear();
   best_.begin();
   begin_evaluation();
   repaired_ = without_proposals_ = false;
@@ -64,8 +62,17 @@ std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
   return owed_ > 0 ? std::nullopt : look();
 }
 
-std::optional<Status> RoadmapPlanner::step() {
-  const std::optional<Status> status = advance();
+std::optional<Status> RoadmapPlanner::follow() {
+  blocked_motions_.report(context_);
+  report_joined();
+  enhance();
+  const std::optional<Status> status = --owed_ > 0 ? std::nullopt : look();
+  count_search();
+  return status;
+}
+
+std::optional<Status> RoadmapPlanner::work() {
+  const std::optional<Status> status = without_proposals_ ? look_without_proposals() : look();
   count_search();
   return status;
 }
@@ -79,16 +86,6 @@ void RoadmapPlanner::discard_paths() {
   count_search();
   paths_ = {};
   counted_ = 0;
-}
-
-std::optional<Status> RoadmapPlanner::advance() {
-  if (without_proposals_) return look_without_proposals();
-  if (owed_ > 0) {
-    grow();
-    enhance();
-    if (--owed_ > 0) return std::nullopt;
-  }
-  return look();
 }
 
 std::optional<Status> RoadmapPlanner::stopped(Status limit) {
@@ -285,50 +282,39 @@ void RoadmapPlanner::remove_goal(std::uint32_t vertex) {
   }
 }
 
-void RoadmapPlanner::grow() {
+Outcome RoadmapPlanner::extend(View proposal) {
   auto& instance = context_.instance;
-  const Lookahead::Timed timed = lookahead_.begin_step(*this);
-  propose(context_, sample_);
-  lookahead_.drawn(sample_);
   Outcome outcome;
-  outcome.proposal = sample_;
+  outcome.proposal = proposal;
   const bool grows = mode_.step < std::numeric_limits<double>::infinity();
   if (!grows && mode_.lazy_nodes && !context_.guided) {
     // The search for neighbours also finds whether the node exists.
-    if (insert(sample_, Known::unknown, true)) {
+    if (insert(proposal, Known::unknown, true)) {
       outcome.fate = Fate::reached;
-      outcome.added = sample_;
-      const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
-      outcome.connected = connectivity_.connected(id, Connectivity::to_start);
-      if (outcome.connected) reported_[id] |= Connectivity::to_start;
-      record_outcome(context_, outcome, no_node, rows_.back());
-    } else {
-      record_outcome(context_, outcome);
+      outcome.added = proposal;
+      note_added(outcome);
     }
-    report_joined();
-    return;
+    return outcome;
   }
   const bool one_search = inserts_proposals();
   NearestIndex::Neighbour near;
   if (one_search) {
-    target_ = sample_;
+    target_.assign(proposal.begin(), proposal.end());
   } else {
-    near = index_.nearest(sample_);
+    near = index_.nearest(proposal);
   }
-  const std::uint32_t from = grows ? rows_[near.id] : no_node;
-  if (grows) outcome.near = node(near.id);
-  const bool reaches = one_search || steer(instance.space, node(near.id), sample_, std::sqrt(near.squared_distance),
+  if (grows) {
+    outcome.near = node(near.id);
+    outcome.near_row = rows_[near.id];
+  }
+  const bool reaches = one_search || steer(instance.space, node(near.id), proposal, std::sqrt(near.squared_distance),
                                            mode_.step, target_);
   if (!mode_.lazy_nodes && !target_valid()) {
     outcome.blocked_at = target_;
-    record_outcome(context_, outcome, from);
-    return;
+    return outcome;
   }
   if (one_search) find_neighbours(target_);
-  if (one_search ? is_neighbour() : near.squared_distance == 0.0) {
-    record_outcome(context_, outcome, from);
-    return;
-  }
+  if (one_search ? is_neighbour() : near.squared_distance == 0.0) return outcome;
   if (one_search) {
     if (disconnected_) rebuild_connectivity();
     context_.instance.spend(connection_work(false));
@@ -339,12 +325,15 @@ void RoadmapPlanner::grow() {
   outcome.fate = reaches ? Fate::reached : Fate::advanced;
   if (grows) outcome.near = node(near.id);
   outcome.added = target_;
+  note_added(outcome);
+  return outcome;
+}
+
+void RoadmapPlanner::note_added(Outcome& outcome) {
   const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
   outcome.connected = connectivity_.connected(id, Connectivity::to_start);
   if (outcome.connected) reported_[id] |= Connectivity::to_start;
-  record_outcome(context_, outcome, from, rows_.back());
-  blocked_motions_.report(context_);
-  report_joined();
+  outcome.added_row = rows_.back();
 }
 
 void RoadmapPlanner::look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const {
@@ -370,7 +359,7 @@ void RoadmapPlanner::look_ahead(std::size_t step, StepAhead& ahead, Validity& va
 
 bool RoadmapPlanner::target_valid() {
   auto& instance = context_.instance;
-  const StepAhead* ahead = lookahead_.present();
+  const StepAhead* ahead = present();
   if (ahead == nullptr || !ahead->valid) return instance.valid(target_);
   // Counts as Instance::valid does.
   if (!instance.validity->spends_checks()) {
@@ -389,7 +378,7 @@ void RoadmapPlanner::mark_new_nodes(bool begins) {
 }
 
 void RoadmapPlanner::find_neighbours(View q) {
-  const StepAhead* ahead = lookahead_.present();
+  const StepAhead* ahead = present();
   const bool known = ahead != nullptr && ahead->nodes > 0 &&
                      connection_.find_since(index_, q, ahead->neighbours, ahead->nodes, *new_nodes_, neighbours_);
   if (!known) connection_.find(index_, q, neighbours_);
@@ -472,7 +461,7 @@ void RoadmapPlanner::insert_found(View q, Known known) {
     if (nodes_[neighbour.id] == Known::invalid) continue;
     const bool later = deferred(neighbour.id, id);
     if (!later) {
-      const StepAhead* ahead = lookahead_.present();
+      const StepAhead* ahead = present();
       const MotionReport report = context_.instance.motion(
           node(neighbour.id), node(id), ahead != nullptr ? ahead->motion(node(neighbour.id), node(id)) : nullptr);
       if (!report.valid) {

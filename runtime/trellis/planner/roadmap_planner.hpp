@@ -19,7 +19,7 @@
 namespace trellis {
 
 /// The probabilistic roadmap planners: eager or lazy validation, first path or anytime improvement.
-class RoadmapPlanner final : public Planner, private Lookahead::Steps {
+class RoadmapPlanner final : public Planner, private StepsAhead {
  public:
   struct Mode {
     bool lazy_nodes = false;  ///< checks a node when the shortest path contains it
@@ -46,9 +46,13 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
 
   std::optional<Status> begin(const Budget& budget) override;
   [[nodiscard]] bool draws() const override { return !without_proposals_; }
-  std::optional<Status> step() override;
+  Plan plan() override { return {.proposal = !without_proposals_ && owed_ > 0}; }
+  Outcome extend(View proposal) override;
+  std::optional<Status> follow() override;
+  std::optional<Status> work() override;
   std::optional<Status> stopped(Status limit) override;
   [[nodiscard]] Solution solution(Status status) override;
+  [[nodiscard]] StepsAhead* coming() override { return this; }
   /// Vertices expanded so far by the graph search.
   [[nodiscard]] std::uint64_t expanded() const { return paths_.expanded(); }
 
@@ -72,8 +76,10 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   /// Finds the neighbours of the proposal at q.
   void find_neighbours(View q);
 
-  /// A step, without the count of its work.
-  std::optional<Status> advance();
+  /// What was computed for the present step; nullptr: nothing.
+  [[nodiscard]] const StepAhead* present() const {
+    return context_.ahead != nullptr ? context_.ahead->present() : nullptr;
+  }
   /// Counts the edges that the graph search has considered since the last call.
   void count_search();
   /// Empties the graph that is searched, and counts what its search has considered.
@@ -95,9 +101,10 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   void recheck_edges();
   /// Removes all edges of an invalid goal.
   void remove_goal(std::uint32_t vertex);
-  void grow();
   /// Inserts nodes near the middles of removed edges: invalid edges indicate narrow passages.
   void enhance();
+  /// Completes the outcome of a proposal with the node that was added last.
+  void note_added(Outcome& outcome);
   /// Adds a node and its edges.
   /// \param unless_there  adds none if a node at the same configuration exists
   /// \return whether it added a node
@@ -195,7 +202,6 @@ class RoadmapPlanner final : public Planner, private Lookahead::Steps {
   BestPath best_;
   NearestIndex index_;
   std::optional<NearestIndex> new_nodes_;  ///< nodes that steps computed ahead do not contain
-  Lookahead lookahead_;
   LifelongSearch paths_;
   std::vector<std::uint32_t> rows_;
   std::vector<Known> nodes_;

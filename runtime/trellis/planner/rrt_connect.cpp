@@ -45,6 +45,25 @@ class RrtConnect final : public TreePlanner {
   RrtConnect(const RrtConnectSettings& settings, PlannerContext context)
       : TreePlanner(std::move(context)), step_(settings.step), balanced_(balances(settings.grow, context_.instance)) {}
 
+  Plan plan() override {
+    return {.proposal = !repairing_, .tree = next_side() == 0 ? TreeSide::start : TreeSide::goal};
+  }
+  Outcome extend(View proposal) override {
+    last_ = next_side();
+    extended_ = step_towards(last_, to_extend(*trees_[last_], proposal), proposal);
+    Outcome outcome = outcome_of(extended_, last_, proposal);
+    outcome.near_row = trees_[last_]->row(extended_.near);
+    return outcome;
+  }
+  std::optional<Status> follow() override {
+    if (extended_.fate != Fate::rejected || extended_.there) {
+      const View q = (*trees_[last_])[extended_.added];
+      met_.assign(q.begin(), q.end());
+      connect(last_, extended_.added, met_);
+    }
+    return ended();
+  }
+
  protected:
   [[nodiscard]] bool planted() const override { return trees_[0].has_value(); }
   [[nodiscard]] bool repairing() const override { return repairing_; }
@@ -122,19 +141,6 @@ class RrtConnect final : public TreePlanner {
     return false;
   }
 
-  void iterate() override {
-    const std::size_t side = next_side();
-    context_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
-    draw();
-    const Step step = step_towards(side, to_extend(*trees_[side], sample_), sample_);
-    const Outcome outcome = outcome_of(step, side, sample_);
-    record_outcome(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
-    if (step.fate == Fate::rejected && !step.there) return;
-    const View q = (*trees_[side])[step.added];
-    met_.assign(q.begin(), q.end());
-    connect(side, step.added, met_);
-  }
-
   [[nodiscard]] Solution finish(Status status) const override {
     if (!bridge_) return {status, trees_[0]->branch(best_)};
     Configurations path = trees_[0]->branch(bridge_->start_side);
@@ -155,10 +161,9 @@ class RrtConnect final : public TreePlanner {
     return grow == Grow::smaller || (grow == Grow::automatic && arm);
   }
   /// The tree that the next proposal extends. Trees of one size take turns.
-  std::size_t next_side() {
+  [[nodiscard]] std::size_t next_side() const {
     const std::size_t other = 1 - last_;
-    if (!balanced_ || trees_[other]->size() <= trees_[last_]->size()) last_ = other;
-    return last_;
+    return !balanced_ || trees_[other]->size() <= trees_[last_]->size() ? other : last_;
   }
 
   /// The tree that a coming step is likely to extend.
@@ -192,7 +197,7 @@ class RrtConnect final : public TreePlanner {
   };
   Step step_towards(std::size_t side, NearestIndex::Neighbour near, View q) {
     Tree& tree = *trees_[side];
-    Step step{extend(tree[near.id], q, std::sqrt(near.squared_distance), step_), near.id, near.id};
+    Step step{extend_from(tree[near.id], q, std::sqrt(near.squared_distance), step_), near.id, near.id};
     if (step.fate == Fate::rejected) return step;
     step.added = tree.add(target_, near.id);
     if (side == 0) note_nearest(step.added, context_.instance.to_goal(target_));
@@ -268,6 +273,7 @@ class RrtConnect final : public TreePlanner {
   bool repairing_ = false;  ///< active after a change of the instance
   std::optional<Bridge> bridge_;
   std::size_t last_ = 1;  ///< tree that the last proposal extended
+  Step extended_;         ///< of the last proposal
   Configuration met_;     ///< where the other tree is to meet it
 };
 

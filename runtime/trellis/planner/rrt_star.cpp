@@ -53,6 +53,15 @@ class RrtStar final : public StartTreePlanner {
     proposals_ = budget.proposals;
     return TreePlanner::begin(budget);
   }
+  Outcome extend(View proposal) override {
+    drew_ = true;
+    return StartTreePlanner::extend(proposal);
+  }
+  std::optional<Status> follow() override {
+    static_cast<void>(StartTreePlanner::follow());
+    keep_best();
+    return ended();
+  }
 
  protected:
   /// A solve that has to find another path keeps the tree and its shortest path, and draws a proposal at least.
@@ -102,12 +111,6 @@ class RrtStar final : public StartTreePlanner {
     for (std::uint32_t id = 1; id < tree_->size(); ++id) children_[tree_->parent(id)].push_back(id);
     costs_.assign(tree_->size(), 0.0);
     update_costs(0);
-  }
-
-  void iterate() override {
-    drew_ = true;
-    StartTreePlanner::iterate();
-    keep_best();
   }
 
   [[nodiscard]] std::size_t nodes() const override { return tree_->size(); }

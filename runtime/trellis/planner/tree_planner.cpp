@@ -9,7 +9,6 @@ namespace trellis {
 std::optional<Status> TreePlanner::begin(const Budget& budget) {
   static_cast<void>(budget);
   auto& instance = context_.instance;
-  lookahead_.clear();
   if (!ends_checked_ || epoch_ != instance.epoch()) {
     if (const auto invalid = remove_invalid_goals(instance)) return invalid;
     ends_checked_ = true;
@@ -22,17 +21,12 @@ std::optional<Status> TreePlanner::begin(const Budget& budget) {
     plant();
     valid_since_ = epoch_;
   }
-  return done() ? std::optional(Status::solved) : std::nullopt;
+  return ended();
 }
 
-std::optional<Status> TreePlanner::step() {
-  if (repairing()) {
-    check_branch();
-    return end_repair_if_checked();
-  }
-  const Lookahead::Timed timed = lookahead_.begin_step(*this);
-  iterate();
-  return done() ? std::optional(Status::solved) : std::nullopt;
+std::optional<Status> TreePlanner::work() {
+  check_branch();
+  return end_repair_if_checked();
 }
 
 std::optional<Status> TreePlanner::end_repair_if_checked() {
@@ -40,7 +34,7 @@ std::optional<Status> TreePlanner::end_repair_if_checked() {
   return end_repair() || done() ? std::optional(Status::solved) : std::nullopt;
 }
 
-TreePlanner::Extension TreePlanner::extend(View from, View q, double distance, double step) {
+TreePlanner::Extension TreePlanner::extend_from(View from, View q, double distance, double step) {
   if (distance == 0.0) return {.there = true};
   const auto& space = context_.instance.space;
   const bool reaches = steer(space, from, q, distance, step, target_);
@@ -117,22 +111,30 @@ void StartTreePlanner::look_ahead(std::size_t step, StepAhead& ahead, Validity& 
   }
 }
 
-void StartTreePlanner::iterate() {
-  draw();
-  const auto near = to_extend(*tree_, sample_);
-  const Extension extension = extend((*tree_)[near.id], sample_, std::sqrt(near.squared_distance), step_);
+Outcome StartTreePlanner::extend(View proposal) {
+  const auto near = to_extend(*tree_, proposal);
+  const Extension extension = extend_from((*tree_)[near.id], proposal, std::sqrt(near.squared_distance), step_);
   const bool adds = extension.fate != Fate::rejected;
-  const std::uint32_t id = adds ? insert(target_, near.id) : no_node;
+  added_ = adds ? insert(target_, near.id) : no_node;
   Outcome outcome;
   outcome.fate = extension.fate;
-  outcome.proposal = sample_;
+  outcome.proposal = proposal;
   outcome.near = (*tree_)[near.id];
-  if (adds) outcome.added = target_;
+  outcome.near_row = tree_->row(near.id);
+  if (adds) {
+    outcome.added = target_;
+    outcome.added_row = tree_->row(added_);
+  }
   if (extension.blocked) outcome.blocked_at = blocked_;
-  record_outcome(context_, outcome, tree_->row(near.id), adds ? tree_->row(id) : no_node);
-  if (!adds) return;
-  blocked_motions_.report(context_);
-  if (const auto goal = goal_to_connect(target_)) connect(id, *goal);
+  return outcome;
+}
+
+std::optional<Status> StartTreePlanner::follow() {
+  if (added_ != no_node) {
+    blocked_motions_.report(context_);
+    if (const auto goal = goal_to_connect(target_)) connect(added_, *goal);
+  }
+  return ended();
 }
 
 void StartTreePlanner::connect(std::uint32_t id, std::size_t goal) {

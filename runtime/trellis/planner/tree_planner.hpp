@@ -15,22 +15,20 @@
 namespace trellis {
 
 /// A planner that grows trees by one proposal at a time. After a change of the instance it repairs its trees first.
-class TreePlanner : public Planner, protected Lookahead::Steps {
+class TreePlanner : public Planner, protected StepsAhead {
  public:
   std::optional<Status> begin(const Budget& budget) override;
   [[nodiscard]] bool draws() const override { return !repairing(); }
-  std::optional<Status> step() override;
+  Plan plan() override { return {.proposal = !repairing()}; }
+  std::optional<Status> work() override;
+  [[nodiscard]] StepsAhead* coming() override { return this; }
   [[nodiscard]] Solution solution(Status status) override {
     return repairing() && status != Status::solved ? unrepaired(status) : finish(status);
   }
 
  protected:
   explicit TreePlanner(PlannerContext context)
-      : Planner(std::move(context)),
-        sample_(dimension()),
-        target_(dimension()),
-        blocked_(dimension()),
-        lookahead_(context_) {}
+      : Planner(std::move(context)), target_(dimension()), blocked_(dimension()) {}
 
   /// Whether there are trees, whether they need repair, and whether the search ends.
   [[nodiscard]] virtual bool planted() const = 0;
@@ -48,8 +46,6 @@ class TreePlanner : public Planner, protected Lookahead::Steps {
   virtual void check_branch() = 0;
   /// Removes the invalid branches, when all are checked. Returns whether that found a path with which the solve ends.
   virtual bool end_repair() = 0;
-  /// Draws a proposal, and grows towards it.
-  virtual void iterate() = 0;
   [[nodiscard]] std::size_t nodes() const override { return 0; }
   void look_ahead(std::size_t step, StepAhead& ahead, Validity& validity) const override {
     static_cast<void>(step);
@@ -57,11 +53,6 @@ class TreePlanner : public Planner, protected Lookahead::Steps {
     static_cast<void>(validity);
   }
   void mark_new_nodes(bool begins) override { static_cast<void>(begins); }
-  /// Draws the next proposal into sample_.
-  void draw() {
-    propose(context_, sample_);
-    lookahead_.drawn(sample_);
-  }
   [[nodiscard]] virtual Solution finish(Status status) const = 0;
   /// The solution of a solve that ended during the repair.
   [[nodiscard]] virtual Solution unrepaired(Status status) const { return {status, path_of_start(context_.instance)}; }
@@ -77,24 +68,24 @@ class TreePlanner : public Planner, protected Lookahead::Steps {
   /// Checks the motion from `from` towards q. Adds no node.
   /// \param distance  from `from` to q, in metres in the metric
   /// \param step  longest extension, in metres in the metric
-  Extension extend(View from, View q, double distance, double step);
+  Extension extend_from(View from, View q, double distance, double step);
   /// Checks a motion, or takes the report that was computed ahead.
   [[nodiscard]] MotionReport motion(View from, View to) {
-    const StepAhead* ahead = lookahead_.present();
+    const StepAhead* ahead = present();
     return context_.instance.motion(from, to, ahead != nullptr ? ahead->motion(from, to) : nullptr);
   }
   /// The nearest node of a tree.
   [[nodiscard]] NearestIndex::Neighbour nearest(const Tree& tree, View q) const {
-    const StepAhead* ahead = lookahead_.present();
+    const StepAhead* ahead = present();
     const NearestIndex::Neighbour* old = ahead != nullptr ? ahead->nearest(&tree, q) : nullptr;
     return old != nullptr ? tree.nearest(q, *old) : tree.nearest(q);
   }
   /// The node to extend towards the last proposal q, see Tree.
   [[nodiscard]] NearestIndex::Neighbour to_extend(const Tree& tree, View q) const {
     // Steps are computed ahead only where no guide selects nodes.
-    return lookahead_.present() != nullptr ? nearest(tree, q) : tree.to_extend(q);
+    return present() != nullptr ? nearest(tree, q) : tree.to_extend(q);
   }
-  /// Computes what `extend` asks towards q from the nearest node of a tree, in the thread of a helper.
+  /// Computes what `extend_from` asks towards q from the nearest node of a tree, in the thread of a helper.
   /// \return the node, if the motion is valid and `ahead.target` its end
   static std::optional<NearestIndex::Neighbour> extend_ahead(const Space& space, const Tree& tree, View q, double step,
                                                              StepAhead& ahead, Validity& validity);
@@ -109,25 +100,33 @@ class TreePlanner : public Planner, protected Lookahead::Steps {
   [[nodiscard]] std::uint64_t valid_since() const { return valid_since_; }
   /// Called at the end of a repair: every motion of the trees is valid.
   void repaired() { valid_since_ = epoch_; }
+  /// The status if the solve ends here.
+  [[nodiscard]] std::optional<Status> ended() const { return done() ? std::optional(Status::solved) : std::nullopt; }
 
-  Configuration sample_;
   Configuration target_;
   Configuration blocked_;
   std::uint32_t best_ = 0;  ///< node nearest to a goal
   double best_distance_ = std::numeric_limits<double>::infinity();
 
  private:
+  /// What was computed for the present step; nullptr: nothing.
+  [[nodiscard]] const StepAhead* present() const {
+    return context_.ahead != nullptr ? context_.ahead->present() : nullptr;
+  }
   /// Ends the repair if no branch is left to check. Returns the status if the solve ends here.
   std::optional<Status> end_repair_if_checked();
 
   std::uint64_t epoch_ = 0;
   std::uint64_t valid_since_ = 0;
   bool ends_checked_ = false;
-  Lookahead lookahead_;
 };
 
 /// A planner with one tree, from the start.
 class StartTreePlanner : public TreePlanner {
+ public:
+  Outcome extend(View proposal) override;
+  std::optional<Status> follow() override;
+
  protected:
   /// \param step  longest extension, in metres in the metric, of a planner that extends by straight motions
   explicit StartTreePlanner(PlannerContext context, double step = 0.0)
@@ -144,7 +143,6 @@ class StartTreePlanner : public TreePlanner {
     repair_->check_next(*tree_, [&](std::uint32_t id) { return edge_still_valid(id); });
   }
   bool end_repair() override;
-  void iterate() override;
   [[nodiscard]] Solution finish(Status status) const override { return {status, tree_->branch(best_)}; }
 
   /// Whether the motion to a node from its parent is still valid.
@@ -181,6 +179,8 @@ class StartTreePlanner : public TreePlanner {
  private:
   /// Tries the motion from the node at target_ to a goal.
   void connect(std::uint32_t id, std::size_t goal);
+
+  std::uint32_t added_ = no_node;  ///< for the last proposal
 };
 
 }  // namespace trellis

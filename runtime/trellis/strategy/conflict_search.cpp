@@ -30,7 +30,7 @@ class ConflictSearch final : public TeamPartsSearch {
  public:
   explicit ConflictSearch(TeamSearchContext of) : TeamPartsSearch(std::move(of)) { next_number_ = members_.size(); }
 
-  std::optional<Status> step() override {
+  std::optional<Status> work() override {
     if (current_ != nullptr) return advance_part();
     if (pruning_) {
       auto path = prune();

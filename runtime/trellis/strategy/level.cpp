@@ -11,7 +11,6 @@
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/set_up.hpp>
 #include <trellis/instance/search_cost.hpp>
-#include <trellis/planner/loop.hpp>
 #include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
@@ -93,7 +92,9 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
       kind_(*find_planner(planner.name())),
       planner_spec_(planner),
       common_(kind_.common(planner.options())),
-      guidance_(*instance_, common_, record_.search) {
+      guidance_(*instance_, common_, record_.search),
+      lookahead_(*instance_, guidance_, run.helpers),
+      proposal_(instance_->space.dimension()) {
   if (!kind_.graph) instance_->graph = nullptr;
   instance_->step = common_.step;
   check_planner(kind_, *instance_);
@@ -169,10 +170,8 @@ Advance Level::advance(double proposals, const Slice& slice) {
 
 std::unique_ptr<Planner> Level::make_planner() {
   record_.search.sources = guidance_.sources();
-  Guidance* h = &guidance_;
-  if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
-  PlannerContext context{*instance_,         *h,          Stream(run_.seed, record_.key, stream_), record_.search,
-                         guidance_.guided(), run_.helpers};
+  PlannerContext context{*instance_,     guidance_,          Stream(run_.seed, record_.key, stream_),
+                         record_.search, guidance_.guided(), &lookahead_};
   if (division_) {
     TeamSearchContext of{
         run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, *division_, std::move(context)};
@@ -186,8 +185,8 @@ std::unique_ptr<Planner> Level::make_planner() {
 
 Advance Level::solve_own(double proposals, const Slice& slice) {
   begin_solve(proposals, slice);
-  while (!loop_->ended()) loop_->step();
-  return end_solve(loop_->solution(keeps_path()));
+  while (!ended_) ended_ = step();
+  return end_solve(solution_found());
 }
 
 void Level::begin_root_solve() {
@@ -197,9 +196,9 @@ void Level::begin_root_solve() {
 }
 
 bool Level::step_root_solve() {
-  if (!loop_->ended()) loop_->step();
-  if (!loop_->ended()) return false;
-  static_cast<void>(end_solve(loop_->solution(keeps_path())));
+  if (!ended_) ended_ = step();
+  if (!ended_) return false;
+  static_cast<void>(end_solve(solution_found()));
   return true;
 }
 
@@ -222,7 +221,7 @@ void Level::complete_proposals() { trellis::complete_proposals(record_.search, i
 void Level::end_search() {
   complete_proposals();
   const auto solves = record_.solves;
-  if (loop_) {
+  if (solving_) {
     // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
     Solution found{Status::interrupted, path_of_start(*instance_)};
     if (keeps_path() && !run_.improvements.empty()) {
@@ -243,28 +242,61 @@ void Level::begin_solve(double proposals, const Slice& slice) {
   Budget budget = common_.budget;
   whole_ = std::min(budget.proposals, *solve_begun_ + proposals);
   budget.proposals = sliced_ = std::min(whole_, drawn + slice.proposals);
-  // h is prepared before each step: this searches the levels below, which run this loop too.
-  loop_.emplace(*planner_, *instance_, record_.search, budget,
-                StepHooks{.interrupted = run_.interrupted,
-                          .prepare = [this]() -> std::optional<Status> {
-                            if (run_.before_step && run_.before_step()) return Status::interrupted;
-                            if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
-                            const std::uint64_t searches = run_.searches;
-                            const double worked = own_work();
-                            guidance_.prepare();
-                            // The run may have ended while the levels below were searched.
-                            const bool searched = run_.searches != searches || own_work() != worked;
-                            if (searched && run_.before_step && run_.before_step()) return Status::interrupted;
-                            if (run_.interrupted && run_.interrupted()) return Status::interrupted;
-                            if (searched && run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
-                            const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
-                            return pauses ? std::optional(Status::paused) : std::nullopt;
-                          },
-                          .stopped = &run_.stopped});
+  budget_.emplace(*instance_, record_.search, budget, &run_.stopped);
+  lookahead_.clear();
+  ended_ = planner_->begin(budget);
+  solving_ = true;
+}
+
+std::optional<Status> Level::step() {
+  if (const auto limit = stop()) return planner_->stopped(*limit);
+  if (const auto limit = search_below()) return planner_->stopped(*limit);
+  const Plan plan = planner_->plan();
+  if (!plan.proposal) return planner_->work();
+  const Lookahead::Timed timed = lookahead_.begin_step(*planner_);
+  record_outcome(guidance_, planner_->extend(draw(plan)), record_.search);
+  return planner_->follow();
+}
+
+std::optional<Status> Level::stop() {
+  if (budget_->reached(planner_->draws())) return Status::budget_spent;
+  if (run_.interrupted && run_.interrupted()) return Status::interrupted;
+  if (run_.before_step && run_.before_step()) return Status::interrupted;
+  if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
+  return std::nullopt;
+}
+
+std::optional<Status> Level::search_below() {
+  const std::uint64_t searches = run_.searches;
+  const double worked = own_work();
+  guidance_.prepare();
+  // The run may have ended while the levels below were searched.
+  const bool searched = run_.searches != searches || own_work() != worked;
+  if (searched && run_.before_step && run_.before_step()) return Status::interrupted;
+  if (run_.interrupted && run_.interrupted()) return Status::interrupted;
+  if (searched && run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
+  const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
+  return pauses ? std::optional(Status::paused) : std::nullopt;
+}
+
+View Level::draw(const Plan& plan) {
+  draw_proposal(guidance_, plan, planner_->stream(), record_.search, proposal_);
+  if (run_.watch) run_.watch(record_, guidance_);
+  lookahead_.drawn(proposal_);
+  return proposal_;
+}
+
+Solution Level::solution_found() {
+  if (keeps_path() && *ended_ == Status::interrupted) {
+    Solution best = planner_->solution(Status::budget_spent);
+    if (!best.solved()) best.status = Status::interrupted;
+    return best;
+  }
+  return solution_of(*planner_, *instance_, *ended_);
 }
 
 Advance Level::end_solve(Solution found) {
-  loop_.reset();
+  solving_ = false;
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;
   found_ = found.solved();
@@ -379,7 +411,7 @@ LevelRecord Level::take_record(bool lift, const Level* companion) {
 LevelRecord Level::record_so_far(bool lift, const Level* companion) {
   LevelRecord record = record_;
   trellis::complete_proposals(record.search, instance_->motion_model != nullptr);
-  if (loop_) {
+  if (solving_) {
     ++record.solves;
     if (!record.solution.solved()) record.solution = planner_->solution(Status::paused);
     if (!record.solution.solved()) record.solution.status = Status::interrupted;

@@ -16,8 +16,8 @@
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/team.hpp>
-#include <trellis/planner/composed.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/lookahead.hpp>
+#include <trellis/planner/step.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/informed_path.hpp>
 #include <trellis/strategy/searched_guidance.hpp>
@@ -419,27 +419,6 @@ class LevelGuidance final : public Guidance {
   std::uint64_t epoch_ = 0;  ///< number of changes of the shares
 };
 
-/// A level's guidance that calls the run's `watch` after each sample.
-class WatchedGuidance final : public Composed<Guidance> {
- public:
-  WatchedGuidance(const Run& run, const LevelRecord& level, Guidance& h) : run_(run), level_(level), h_(h) {}
-  Source sample(Stream& stream, MutableView out) override {
-    const Source source = h_.sample(stream, out);
-    run_.watch(level_, h_);
-    return source;
-  }
-  void record(DensityRecord& record, double share) const override { h_.record(record, share); }
-
- private:
-  [[nodiscard]] std::size_t part_count() const override { return 1; }
-  [[nodiscard]] Guidance* part_at(std::size_t) const override { return &h_; }
-  [[nodiscard]] Guidance* drew_last() const override { return &h_; }
-
-  const Run& run_;
-  const LevelRecord& level_;
-  Guidance& h_;
-};
-
 /// A level of a run: an instance, its planner, its guidance and its record.
 class Level {
  public:
@@ -550,8 +529,20 @@ class Level {
 
  private:
   [[nodiscard]] Advance solve_own(double proposals, const Slice& slice);
-  /// A solve, step by step. `end_solve` may be called when the loop has ended.
+  /// A solve, step by step. `end_solve` may be called when it has ended.
   void begin_solve(double proposals, const Slice& slice);
+  /// Takes a step: a proposal that h draws and the planner extends towards, or work without one. The levels below are
+  /// searched first, where h needs it.
+  /// \return the status if the solve ends
+  [[nodiscard]] std::optional<Status> step();
+  /// Whether a limit ends the solve before the next step.
+  [[nodiscard]] std::optional<Status> stop();
+  /// Lets h search the levels below where it has to, and compares the limits again.
+  [[nodiscard]] std::optional<Status> search_below();
+  /// Draws a proposal from h, and records it.
+  [[nodiscard]] View draw(const Plan& plan);
+  /// The solution of the solve that has ended.
+  [[nodiscard]] Solution solution_found();
   [[nodiscard]] Advance end_solve(Solution found);
   /// Whether an interrupted search of an anytime planner is solved by the path that it has: not in a run that is
   /// interrupted, which ends the planner beside the search too.
@@ -584,7 +575,6 @@ class Level {
   double parts_work_ = 0.0;
   PlannerCommon common_;
   LevelGuidance guidance_;
-  std::optional<WatchedGuidance> watched_;
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
   double work_limit_ = Budget::unlimited;  ///< value of `work()` at which the search pauses
@@ -596,9 +586,13 @@ class Level {
   bool found_ = false;
   double absorbed_ = 0.0;             ///< proposals that its search has from other levels
   const char* stream_ = "proposals";  ///< purpose of the stream that h draws from
-  std::optional<StepLoop> loop_;      ///< of a solve that has begun and not ended
-  double whole_ = 0.0;                ///< limit of proposals of all slices of this solve
-  double sliced_ = 0.0;               ///< limit of proposals of this slice
+  bool solving_ = false;              ///< a solve has begun and not ended
+  std::optional<Status> ended_;       ///< with which the steps of that solve ended
+  std::optional<BudgetMonitor> budget_;
+  Lookahead lookahead_;
+  Configuration proposal_;  ///< the last one
+  double whole_ = 0.0;      ///< limit of proposals of all slices of this solve
+  double sliced_ = 0.0;     ///< limit of proposals of this slice
 };
 
 }  // namespace trellis

@@ -75,19 +75,28 @@ class SplitSearch final : public Planner {
 
   [[nodiscard]] bool draws() const override { return !undivided_ || undivided_->draws(); }
 
-  /// Begins a try, or draws a candidate for its sub-goal. Solves both halves when the sub-goal is known.
-  std::optional<Status> step() override {
-    if (undivided_) return undivided_->step();
-    if (spent(budget_)) return stopped(Status::budget_spent);
-    if (!candidates_) {
-      if (const auto goal = on_path()) return divide_at(goal);
-      candidates_.emplace();
-      return std::nullopt;
-    }
-    draw_candidate();
+  Plan plan() override { return undivided_ ? undivided_->plan() : Plan{.proposal = candidates_ && !spent(budget_)}; }
+
+  /// A proposal is a candidate for the sub-goal.
+  Outcome extend(View proposal) override { return undivided_ ? undivided_->extend(proposal) : candidate(proposal); }
+
+  std::optional<Status> follow() override {
+    if (undivided_) return undivided_->follow();
     if (candidates_->drawn < Candidates::most && candidates_->valid < Candidates::wanted) return std::nullopt;
     return divide_at(candidates_->best);
   }
+
+  /// Begins a try. Solves both halves where the sub-goal is known.
+  std::optional<Status> work() override {
+    if (undivided_) return undivided_->work();
+    if (spent(budget_)) return stopped(Status::budget_spent);
+    if (const auto goal = on_path()) return divide_at(goal);
+    candidates_.emplace();
+    return std::nullopt;
+  }
+
+  [[nodiscard]] Stream& stream() override { return undivided_ ? undivided_->stream() : Planner::stream(); }
+  [[nodiscard]] StepsAhead* coming() override { return undivided_ ? undivided_->coming() : nullptr; }
 
   std::optional<Status> stopped(Status limit) override {
     if (undivided_) return undivided_->stopped(limit);
@@ -197,11 +206,9 @@ class SplitSearch final : public Planner {
     return {};
   }
 
-  void draw_candidate() {
+  Outcome candidate(View q) {
     Instance& instance = context_.instance;
     Candidates& of = *candidates_;
-    Configuration q(instance.space.dimension());
-    propose(context_, q);
     ++of.drawn;
     Outcome outcome;
     outcome.proposal = q;
@@ -212,13 +219,13 @@ class SplitSearch final : public Planner {
         ++of.valid;
         if (!of.best || std::max(to_goal, to_start) < of.shortest) {
           of.shortest = std::max(to_goal, to_start);
-          of.best = q;
+          of.best.emplace(q.begin(), q.end());
         }
       } else {
         outcome.blocked_at = q;
       }
     }
-    record_outcome(context_, outcome);
+    return outcome;
   }
 
   void absorb_half(const Level& half) {

@@ -33,7 +33,7 @@ class GroupsSearch : public TeamPartsSearch {
  public:
   using TeamPartsSearch::TeamPartsSearch;
 
-  std::optional<Status> step() override {
+  std::optional<Status> work() override {
     if (timetable_) return schedule();
     if (current_ == nullptr) {
       if (tries_left_ <= 0) return Status::budget_spent;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/planner/pruning.hpp>
@@ -34,6 +35,8 @@ class TeamPartsSearch : public Planner {
 
   std::optional<Status> begin(const Budget& budget) final;
   [[nodiscard]] bool draws() const final { return false; }
+  Plan plan() final { return {.proposal = false}; }
+  Outcome extend(View) final { throw Fault("a search of the parts of a team draws no proposal"); }
   [[nodiscard]] Solution solution(Status status) override;
 
  protected:

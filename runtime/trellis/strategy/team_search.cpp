@@ -23,8 +23,8 @@ class TeamSearch final : public GroupsSearch<TeamSpace, Group> {
  public:
   using GroupsSearch::GroupsSearch;
 
-  std::optional<Status> step() override {
-    if (!pruning_) return GroupsSearch::step();
+  std::optional<Status> work() override {
+    if (!pruning_) return GroupsSearch::work();
     if (auto path = prune()) take(std::move(*path));
     return found_ ? std::optional(Status::solved) : std::nullopt;
   }

@@ -111,9 +111,9 @@ class Repairs {
 ///         repairs().searched
 ///         h = heuristic(parent, sub, found)
 ///         for each proposal, until h is stale:
-///           h.select_tree, h.sample          the planner extends a node; it may ask h.vertex, h.draw_control, and
-///                                            h.worth_connecting
+///           h.select_tree, h.sample          the planner extends a node; it may ask h.vertex and h.draw_control
 ///           learn(outcome), h.observe(outcome, mine)
+///                                            the planner tries further motions; it may ask h.worth_connecting
 ///         repairs().before_resolve           S is solved again, as often as the option `resolves` allows
 ///
 /// `learn` receives the outcomes of every guide of C. After the planner removed nodes, `restart` is called, and the

@@ -59,31 +59,13 @@ struct ControlQuery {
   std::uint32_t longest = 1;    ///< longest duration, in steps of the motion model
 };
 
-/// The heuristic h as a planner uses it: a distribution over the planner's space that receives the results of its
-/// samples. Views have the dimension of the planner's space, which is not checked.
-class Guidance {
+/// The heuristic h as a planner sees it: it hears what became of each proposal, and answers what a planner may ask
+/// about the last one. A planner cannot draw from it. Views have the dimension of the planner's space, which is not
+/// checked.
+class Advice {
  public:
-  /// The part that drew a sample: an index into sources(), whose length is constant.
-  using Source = std::uint16_t;
+  virtual ~Advice() = default;
 
-  virtual ~Guidance() = default;
-
-  /// Selects the tree that the next proposal is for. A bidirectional planner calls this before each `sample`; other
-  /// planners grow one tree, from the start.
-  virtual void select_tree(TreeSide side) { static_cast<void>(side); }
-  /// Draws a proposal.
-  /// \param stream  of the level that calls; all random numbers of the draw come from it
-  /// \param out  receives the proposal, inside the space; it may be invalid
-  /// \return the part that drew it
-  virtual Source sample(Stream& stream, MutableView out) = 0;
-  /// Draws what `sample` would draw now, if that depends on the stream alone: not on results of earlier samples.
-  /// \param stream  a copy of the level's, which is advanced as `sample` advances it
-  /// \return whether it does; else `out` is unspecified
-  [[nodiscard]] virtual bool preview(Stream& stream, MutableView out) const {
-    static_cast<void>(stream);
-    static_cast<void>(out);
-    return false;
-  }
   /// Receives the result of a sample.
   /// \param mine  whether this guidance drew the sample. A part of a mixture also receives the results of the other
   ///     parts, because each of them can use a configuration found invalid.
@@ -111,11 +93,6 @@ class Guidance {
     static_cast<void>(to);
     return true;
   }
-  /// Length along the guiding paths by which connected nodes advanced during the whole run, in metres in the metric.
-  [[nodiscard]] virtual double progress() const { return 0.0; }
-  /// Length along the guiding paths that connected nodes cover now, in metres in the metric. Removal of nodes reduces
-  /// it.
-  [[nodiscard]] virtual double connected() const { return 0.0; }
   /// Factor >= 1 on the cost of an edge in a roadmap search. It is larger for an edge that leaves the guiding paths.
   /// None: no path weighs edges now, and those of other parts of h decide.
   [[nodiscard]] virtual std::optional<double> edge_factor(View a, View b) const {
@@ -128,6 +105,36 @@ class Guidance {
   /// Called when the planner finds a first or a shorter path from start to goal.
   /// \param length  of the path, in metres in the metric
   virtual void found(double length) { static_cast<void>(length); }
+};
+
+/// The heuristic h: a distribution over a planner's space that receives the results of its samples. Who runs the steps
+/// of the planner draws from it (Planner::solve, the executor).
+class Guidance : public Advice {
+ public:
+  /// The part that drew a sample: an index into sources(), whose length is constant.
+  using Source = std::uint16_t;
+
+  /// Selects the tree that the next proposal is for. A bidirectional planner calls this before each `sample`; other
+  /// planners grow one tree, from the start.
+  virtual void select_tree(TreeSide side) { static_cast<void>(side); }
+  /// Draws a proposal.
+  /// \param stream  of the level that calls; all random numbers of the draw come from it
+  /// \param out  receives the proposal, inside the space; it may be invalid
+  /// \return the part that drew it
+  virtual Source sample(Stream& stream, MutableView out) = 0;
+  /// Draws what `sample` would draw now, if that depends on the stream alone: not on results of earlier samples.
+  /// \param stream  a copy of the level's, which is advanced as `sample` advances it
+  /// \return whether it does; else `out` is unspecified
+  [[nodiscard]] virtual bool preview(Stream& stream, MutableView out) const {
+    static_cast<void>(stream);
+    static_cast<void>(out);
+    return false;
+  }
+  /// Length along the guiding paths by which connected nodes advanced during the whole run, in metres in the metric.
+  [[nodiscard]] virtual double progress() const { return 0.0; }
+  /// Length along the guiding paths that connected nodes cover now, in metres in the metric. Removal of nodes reduces
+  /// it.
+  [[nodiscard]] virtual double connected() const { return 0.0; }
   /// Adds the distribution of the next sample to the record, with weight `share`. By default, as a part without closed
   /// form. A sequence of guides changes its active guide when it draws: it adds the distribution of the last sample.
   /// \param share  in (0, 1]: of this part in the distribution of the whole

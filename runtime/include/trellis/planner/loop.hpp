@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The planning loop, and what planners share: budgets, the record of a proposal, and the options of every planner.
+// What planners share: the options of every planner, and parts of their steps.
 #pragma once
 
-#include <chrono>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -79,135 +77,11 @@ Settings<S> with_common(Settings<S> settings) {
   return settings;
 }
 
-/// Compares a budget with what a level has spent, during one solve.
-class BudgetMonitor {
- public:
-  /// \param stopped  the seconds that the run has waited so far, which do not count; nullptr: none
-  BudgetMonitor(const Instance& instance, const Search& search, const Budget& budget, const double* stopped = nullptr)
-      : instance_(instance),
-        search_(search),
-        budget_(budget),
-        stopped_(stopped),
-        begin_(std::chrono::steady_clock::now()),
-        stopped_before_(stopped != nullptr ? *stopped : 0.0) {}
-
-  /// Whether the budget is spent. Its cost permits a call before every step.
-  /// \param draws  whether the limit of proposals applies
-  [[nodiscard]] bool reached(bool draws) {
-    if (draws && static_cast<double>(search_.proposals.size()) >= budget_.proposals) return true;
-    if (static_cast<double>(instance_.checks.validity) >= budget_.checks) return true;
-    // Reading the clock costs more.
-    if ((asked_++ & 63U) != 0 || budget_.seconds == Budget::unlimited) return false;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-    const double waited = stopped_ != nullptr ? *stopped_ - stopped_before_ : 0.0;
-    return search_.seconds + elapsed.count() - waited >= budget_.seconds;
-  }
-
- private:
-  const Instance& instance_;
-  const Search& search_;
-  Budget budget_;
-  const double* stopped_;
-  std::chrono::steady_clock::time_point begin_;
-  double stopped_before_;
-  unsigned asked_ = 0;
-};
-
-/// What an executor does in the loop of a planner.
-struct StepHooks {
-  std::function<bool()> interrupted = {};  ///< polled before every step; true ends the loop with Status::interrupted
-  /// Called before every step: prepares h, which may search other levels. Returns a status that ends the loop, as
-  /// Status::paused, or none.
-  std::function<std::optional<Status>()> prepare = {};
-  const double* stopped = nullptr;  ///< see BudgetMonitor
-};
-
 /// Returns the path that contains only the start: the solution of a search whose goal is invalid.
 inline Configurations path_of_start(const Instance& instance) {
   Configurations path(instance.space.dimension());
   path.push(instance.start);
   return path;
-}
-
-/// The planning loop, one step at a time: lets a planner take steps until it ends or a limit is reached.
-class StepLoop {
- public:
-  /// Begins a solve. The referenced objects outlive the loop.
-  /// \param instance  of the planner
-  /// \param search  of the planner
-  StepLoop(Planner& planner, const Instance& instance, const Search& search, const Budget& budget, StepHooks hooks = {})
-      : planner_(planner),
-        instance_(instance),
-        hooks_(std::move(hooks)),
-        monitor_(instance, search, budget, hooks_.stopped),
-        ended_(planner.begin(budget)) {}
-
-  /// Whether the solve has ended: then there is no further step.
-  [[nodiscard]] bool ended() const { return ended_.has_value(); }
-  /// Compares the limits, then lets the planner take a step.
-  void step() {
-    const std::optional<Status> reached = limit();
-    ended_ = reached ? planner_.stopped(*reached) : planner_.step();
-  }
-  /// The solution of a solve that has ended.
-  /// \param keeps_path  whether an interrupted search of an anytime planner is solved by the path that it has
-  [[nodiscard]] Solution solution(bool keeps_path = false) {
-    if (*ended_ == Status::invalid_start) return {*ended_, Configurations(instance_.space.dimension())};
-    if (*ended_ == Status::invalid_goal) return {*ended_, path_of_start(instance_)};
-    if (keeps_path && *ended_ == Status::interrupted) {
-      Solution best = planner_.solution(Status::budget_spent);
-      if (!best.solved()) best.status = Status::interrupted;
-      return best;
-    }
-    return planner_.solution(*ended_);
-  }
-
- private:
-  std::optional<Status> limit() {
-    if (monitor_.reached(planner_.draws())) return Status::budget_spent;
-    if (hooks_.interrupted && hooks_.interrupted()) return Status::interrupted;
-    return hooks_.prepare ? hooks_.prepare() : std::nullopt;
-  }
-
-  Planner& planner_;
-  const Instance& instance_;
-  StepHooks hooks_;
-  BudgetMonitor monitor_;
-  std::optional<Status> ended_;
-};
-
-/// Runs the planning loop to its end, in the thread that calls.
-/// \param instance  of the planner
-/// \param search  of the planner
-/// \throws Error and what the instance's validity, the guidance and `hooks` throw
-inline Solution run_steps(Planner& planner, const Instance& instance, const Search& search, const Budget& budget,
-                          const StepHooks& hooks = {}) {
-  StepLoop loop(planner, instance, search, budget, hooks);
-  while (!loop.ended()) loop.step();
-  return loop.solution();
-}
-
-/// Draws a proposal into `q` and records it together with the current distribution. Its result is recorded after the
-/// extension, by the function below.
-inline void propose(PlannerContext& context, MutableView q) {
-  Instance::announce_proposal();
-  const Guidance::Source source = context.guidance.sample(context.proposals, q);
-  context.search.density.served(context.guidance);
-  context.search.proposals.push(q);
-  context.search.proposal_sources.push_back(source);
-}
-
-/// Records the result of the last proposal and reports it to the guidance.
-/// \param near  row of the node that was extended
-/// \param added  row of the node that was added
-inline void record_outcome(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
-                           std::uint32_t added = no_node) {
-  context.search.fates.push_back(outcome.fate);
-  context.search.near.push_back(near);
-  context.search.added.push_back(added);
-  outcome.added_row = added;
-  outcome.near_row = near;
-  context.guidance.observe(outcome, true);
 }
 
 /// Motions found invalid while the planner inserted a node. The guidance receives them after the result of the proposal

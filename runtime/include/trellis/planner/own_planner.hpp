@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For planners outside of the library: the parts of a planning loop (loop.hpp) and the registration. docs/planner.md
+// For planners outside of the library: parts of their steps (loop.hpp) and the registration. docs/planner.md
 // has an example.
 #pragma once
 
@@ -19,12 +19,24 @@ namespace trellis {
 /// \param parent  its parent's row; no_node for a root, which is its own parent
 std::uint32_t add_node(PlannerContext& context, View q, std::uint32_t parent = no_node);
 
-/// Extends a node towards the last proposal: checks the motion, which the instance counts, adds its end if the motion
-/// is valid, and reports the result to the guidance.
-/// \param from  the node's row in Search::nodes
-/// \param step  longest extension, in metres in the metric
-/// \return the row of the new node; no_node if none was added
-std::uint32_t extend_node(PlannerContext& context, std::uint32_t from, double step);
+/// Extends nodes of a search by straight motions.
+class NodeExtension {
+ public:
+  /// \param context  outlives this object
+  /// \param step  longest extension, in metres in the metric
+  NodeExtension(PlannerContext& context, double step);
+
+  /// Checks the motion from a node towards a proposal, which the instance counts, and adds its end if it is valid.
+  /// \param from  the node's row in Search::nodes
+  /// \return the outcome of Planner::extend, valid until the next call; its `added_row` is the new node, or no_node
+  Outcome extend(std::uint32_t from, View proposal);
+
+ private:
+  PlannerContext& context_;
+  double step_;
+  Configuration target_;
+  Configuration blocked_;
+};
 
 /// Returns the path from the root to a node, both included.
 /// \param row  of the node in Search::nodes

@@ -19,7 +19,7 @@
 
 namespace trellis {
 
-class HelperThreads;
+class Lookahead;
 
 /// The budget of a level. Prefer limits on counts: only they are reproducible.
 struct Budget {
@@ -106,17 +106,26 @@ struct Solution {
 /// The context of a planner. The referenced objects outlive the planner.
 struct PlannerContext {
   Instance& instance;
-  Guidance& guidance;
-  Stream proposals;  ///< random stream that h draws from
+  Advice& guidance;
+  Stream proposals;  ///< random stream that proposals are drawn from
   Search& search;    ///< the planner appends to it
   bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
                      ///< draws no proposal
-  HelperThreads* helpers = nullptr;  ///< compute ahead what coming steps need; nullptr: one thread does all
+  Lookahead* ahead = nullptr;  ///< what helper threads computed for the present step; nullptr: nothing
 };
 
-/// A planner of one instance with one guidance, which searches in steps: `run_steps` (loop.hpp) is the loop. It does
-/// not depend on guides, on limits or on other levels. It lives as long as its level, and only one thread uses it at a
-/// time.
+/// What the next step of a planner is.
+struct Plan {
+  bool proposal = true;               ///< it extends towards a proposal of h; else it works without one
+  std::optional<TreeSide> tree = {};  ///< the tree that the proposal is for; none: the planner has one tree
+};
+
+class StepsAhead;
+
+/// A planner of one instance with one guidance, which searches in steps. A step with a proposal is `plan`, a proposal
+/// that its caller draws from h, `extend`, the guidance's observation of the outcome, and `follow`; one without is
+/// `plan` and `work`. `solve` is that loop. A planner does not depend on guides, on limits or on other levels. It lives
+/// as long as its level, and only one thread uses it at a time.
 ///
 /// Its functions throw what the instance's validity and the guidance throw; the run ends with that. A search without a
 /// path is no error but a Status.
@@ -133,20 +142,36 @@ class Planner {
   virtual std::optional<Status> begin(const Budget& budget) = 0;
   /// Whether the next step may draw a proposal: then the limit of proposals applies.
   [[nodiscard]] virtual bool draws() const { return true; }
-  /// Takes one step: draws one proposal at most, extends towards it, and reports the outcome to the guidance.
+  /// Decides what the next step is, after the levels below have been searched: planners of graphs ask h for paths here.
+  virtual Plan plan() { return {}; }
+  /// Extends towards a proposal.
+  /// \param proposal  valid until the next call
+  /// \return the outcome, which the guidance observes next; its views are valid until the next call of a function of
+  ///     this planner
+  virtual Outcome extend(View proposal) = 0;
+  /// The rest of a step with a proposal: motions to the goal or to another tree, or a search of the roadmap.
   /// \return the status if the solve ends; none if it continues
-  virtual std::optional<Status> step() = 0;
+  virtual std::optional<Status> follow() { return std::nullopt; }
+  /// A step without a proposal: the repair of a branch, an expansion of a graph, a search of the roadmap.
+  /// \return the status if the solve ends; none if it continues
+  virtual std::optional<Status> work() { return std::nullopt; }
   /// Called instead of a step when a limit is reached.
   /// \return `limit` or another status if the solve ends; none if it continues without proposals: then `draws` returns
   ///     false
   virtual std::optional<Status> stopped(Status limit) { return limit; }
   /// The solution of a solve that ended with this status, which is neither invalid_start nor invalid_goal.
   [[nodiscard]] virtual Solution solution(Status status) = 0;
+  /// The stream that its proposals are drawn from.
+  [[nodiscard]] virtual Stream& stream() { return context_.proposals; }
+  /// Its coming steps, where helper threads can compute them ahead; nullptr: they cannot.
+  [[nodiscard]] virtual StepsAhead* coming() { return nullptr; }
 
   /// Runs the loop without an executor: searches until solved or until the budget is spent. Each further call continues
   /// the search.
+  /// \param h  that proposals are drawn from: the context's guidance
   /// \param budget  over all calls
-  Solution solve(const Budget& budget);
+  /// \param limit  called before each step; a status ends the solve, as a limit does
+  Solution solve(Guidance& h, const Budget& budget, const std::function<std::optional<Status>()>& limit = {});
 
  protected:
   PlannerContext context_;
