@@ -45,7 +45,7 @@ struct Part final : SearchedGuidance {
   std::vector<Finding> given;
   int drew = 0;
 
-  Advance prepare(const Slice&) override { return advance; }
+  [[nodiscard]] Advance ready() const override { return advance; }
   [[nodiscard]] std::uint64_t refuted() const override { return times_refuted; }
   [[nodiscard]] bool spent() const override { return is_spent; }
   [[nodiscard]] bool searches() const override { return true; }
@@ -78,7 +78,9 @@ struct Three {
   std::string draw(int proposals) {
     std::string drew;
     for (int i = 0; i < proposals; ++i) {
-      REQUIRE(sequence->prepare({}) != Advance::unfinished);
+      sequence->begin({});
+      REQUIRE(sequence->needs_search() == nullptr);
+      REQUIRE(sequence->ready() != Advance::unfinished);
       std::vector<int> before;
       for (const Part* part : parts) before.push_back(part->drew);
       Configuration q(1);

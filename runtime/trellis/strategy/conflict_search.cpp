@@ -31,7 +31,10 @@ class ConflictSearch final : public TeamPartsSearch {
   explicit ConflictSearch(TeamSearchContext of) : TeamPartsSearch(std::move(of)) { next_number_ = members_.size(); }
 
   std::optional<Status> work() override {
-    if (current_ != nullptr) return advance_part();
+    if (current_ != nullptr) {
+      advance_part();
+      return std::nullopt;
+    }
     if (pruning_) {
       auto path = prune();
       if (!path) return std::nullopt;

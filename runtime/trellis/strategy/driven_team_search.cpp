@@ -59,7 +59,7 @@ class DrivenTeamSearch final : public GroupsSearch<DrivenSpace, RobotGroup<Drive
     }
     if (!accepts(ended, whole->path)) return std::nullopt;
     DrivenPath path = space_->driven(*whole);
-    if (path.robots.size() == members_.size()) return take(std::move(path));
+    if (path.robots.size() == members_.size()) return keep(std::move(path));
     next_group()->path = std::move(path);
     return std::nullopt;
   }
@@ -87,7 +87,7 @@ class DrivenTeamSearch final : public GroupsSearch<DrivenSpace, RobotGroup<Drive
   }
 
   /// Takes the motion of the whole team.
-  Status take(DrivenPath path) {
+  Status keep(DrivenPath path) {
     controls_ = std::move(path.controls);
     finish(std::move(path.states));
     return Status::solved;
@@ -102,7 +102,7 @@ class DrivenTeamSearch final : public GroupsSearch<DrivenSpace, RobotGroup<Drive
     } else if (ended->groups.size() == groups_.size()) {
       const bool valid = certified(*ended->paths, *ended->found);
       count(*ended->paths);
-      if (valid) return take(ended->space.driven({Status::solved, *ended->found, {}}));
+      if (valid) return keep(ended->space.driven({Status::solved, *ended->found, {}}));
       fail();
     }
     return std::nullopt;

@@ -158,7 +158,7 @@ class Running {
     }
     anytime_ = find_planner(strategy.planner().name())->component->find("improve") != nullptr;
     run_.clock.switch_to(&setup_);
-    root_->level().guidance().report_paths([this](double length) { note_improvement(run_, length); });
+    root_->level().heuristic().report_paths([this](double length) { note_improvement(run_, length); });
     if (strategy.guide() == nullptr) return;
     const PlannerCommon& common = root_->level().common();
     bound_ = options.companion ? common.bound : 0.0;
@@ -170,7 +170,7 @@ class Running {
       set_up_ = set_up_work(*guides_, *problem.scene, common.queries);
       root_->level().rely_on_companion();
       companion_.emplace(strategy, problem, run_);
-      companion_->search().level().guidance().report_paths(
+      companion_->search().level().heuristic().report_paths(
           [this](double length) { note_improvement(companion_->run(), length); });
       run_.before_step = [this] { return companion_ends_run(); };
       run_.before_set_up = [this](double work) { return companion_ends_run_before(work); };

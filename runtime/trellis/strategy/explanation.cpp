@@ -120,7 +120,7 @@ LevelExplanation explained(Level& level, const GuideSpec* guide, bool planner_gi
                        .kind = find_planner(level.planner().name()),
                        .planner_given = planner_given,
                        .common = level.common(),
-                       .grant = level.guidance().grant()};
+                       .grant = level.ledger().grant()};
   if (instance.graph) {
     const auto& graph = *instance.graph;
     out.graph = {.vertices = graph.vertices.size(), .edges = graph.edges.size(), .verified = graph.verified};

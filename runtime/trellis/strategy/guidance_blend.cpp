@@ -27,19 +27,16 @@ class BlendGuidance final : public PartsGuidance {
         nearest_to_goal_(instance.to_goal(instance.start)),
         nearest_to_start_(nearest_to_goal_) {}
   /// While the space of a part is searched, the other parts share its weight.
-  Advance prepare(const Slice& slice) override {
-    Advance best = Advance::nothing;
-    bool any = false;
+  void begin(const Slice& slice) override { turns_.begin(slice, parts_); }
+  [[nodiscard]] GuideSearch* needs_search() override {
+    if (GuideSearch* next = turns_.needs_search(parts_)) return next;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const Advance advance = parts_[i]->prepare(slice);
-      if (advance == Advance::found) best = advance;
-      const char ready = advance != Advance::unfinished ? 1 : 0;
-      any = any || ready != 0;
-      if (ready != ready_[i]) ++changes_;
-      ready_[i] = ready;
+      const char ready = parts_[i]->ready() != Advance::unfinished ? 1 : 0;
+      if (ready != std::exchange(ready_[i], ready)) ++changes_;
     }
-    return any ? best : Advance::unfinished;
+    return nullptr;
   }
+  [[nodiscard]] Advance ready() const override { return turns_.ready(parts_); }
   [[nodiscard]] bool draws_while_searching() const override { return true; }
   Source sample(Stream& stream, MutableView out) override {
     const double total = total_weight();
@@ -103,12 +100,12 @@ class BlendGuidance final : public PartsGuidance {
     return total;
   }
   /// Number of parts that can draw.
-  [[nodiscard]] double ready() const { return static_cast<double>(std::count(ready_.begin(), ready_.end(), 1)); }
+  [[nodiscard]] double ready_count() const { return static_cast<double>(std::count(ready_.begin(), ready_.end(), 1)); }
   /// The probability that part i draws the next proposal.
   /// \param total  sum of the weights of all parts that can draw
   [[nodiscard]] double share(std::size_t i, double total) const {
     if (ready_[i] == 0) return 0.0;
-    const double even = 1.0 / ready();
+    const double even = 1.0 / ready_count();
     const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
     return settings_.floor * even + (1.0 - settings_.floor) * follow;
   }
@@ -126,7 +123,7 @@ class BlendGuidance final : public PartsGuidance {
   }
   /// Updates the weight of the part that drew, by exp3.
   void reward(double r) {
-    arms_[drawn_].successes *= std::exp(settings_.floor * r / (ready() * share(drawn_, total_weight())));
+    arms_[drawn_].successes *= std::exp(settings_.floor * r / (ready_count() * share(drawn_, total_weight())));
     // Only the ratios matter; the normalisation avoids overflow.
     double most = 0.0;
     for (const auto& arm : arms_) most = std::max(most, arm.successes);
@@ -168,6 +165,7 @@ class BlendGuidance final : public PartsGuidance {
     ++changes_;
   }
 
+  AllInTurn turns_;
   BlendSettings settings_;
   const Instance& instance_;
   Rule rule_;

@@ -23,7 +23,7 @@ namespace {
 
 /// The guidance of a component: f makes the level below, whose solution gives h. h draws samples, receives outcomes,
 /// and is made again after further solves.
-class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
+class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic>, public GuideSearch {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
       : Wrapping(nullptr),
@@ -37,7 +37,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     double* above = run.clock.switch_to(&seconds);
     make(key);
     if (guide_->uses_known()) known_.emplace();
-    auto sub = project();
+    auto sub = apply();
     run.clock.switch_to(above);
     if (!sub) return;
     const PlannerSpec planner = planner_for(spec, *sub, planners_above());
@@ -63,8 +63,6 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   }
 
   ~ComponentGuidance() override { replace(nullptr); }  // h may refer to its guide and to the level below
-  ComponentGuidance(const ComponentGuidance&) = delete;
-  ComponentGuidance& operator=(const ComponentGuidance&) = delete;
 
   /// The planner of the level below. A default planner suits the instance: with a motion model it is kinodynamic, and
   /// for an arm two trees replace one, which seldom finds a path there. It has the options that the guide sets for a
@@ -96,7 +94,10 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     return planners;
   }
 
-  Advance prepare(const Slice& slice) override {
+  void begin(const Slice& slice) override {
+    slice_ = slice;
+    ready_.reset();
+    begins_solve_ = true;
     // A changed world requires a further solve.
     if (part() != nullptr && level_ && parent_.instance().scene != projected_ && !std::exchange(renewing_, true)) {
       renewed_for_ = &Resolves::changed_world;
@@ -106,46 +107,47 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
     // A refuted h remains refuted, whatever has changed since.
     if (part() != nullptr && !renewing_ && outdated && !renewable()) make_heuristic();
-    if (part() != nullptr && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
-    if (!level_) {
-      make_heuristic();
-      found_ = true;
-      return Advance::found;
+    if (part() != nullptr && !renewing_ && !renewable()) ready_ = found_ ? Advance::found : Advance::nothing;
+    if (ready_) return;
+    if (level_) {
+      begun_ = work_so_far();
+      return;
     }
-    const double begun = work_so_far();
-    for (;;) {
-      if (part() != nullptr && !renewing_) {
-        renewing_ = true;
-        renewed_for_ = refuted_by_;
-        --resolves_left_;
-        guide_->repairs().before_resolve();
-        again_ = known_.has_value();
-      }
-      if (!std::exchange(searched_, true)) again_ = known_ && known_->has_new();
-      if ((again_ || parent_.instance().scene != projected_) && !project_again()) return Advance::unfinished;
-      tell();
-      const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
-      const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
-      if (advance == Advance::unfinished) return advance;
-      const bool again = std::exchange(renewing_, false);
-      found_ = advance == Advance::found;
-      // Without another path, further solves are useless, except with new samples; the earlier path may still guide.
-      if (again && !found_ && renewed_for_ != &Resolves::new_turn) {
-        resolves_left_ = 0;
-        guide_->repairs().no_other_path();
-        level_->resolves().exhausted = true;
-      }
-      make_heuristic();
-      counted_ = false;
-      // A path with points that are invalid in C is refuted before any proposal.
-      if (!part()->stale()) return advance;
-      ++refuted_;
-      counted_ = true;
-      if (!renewable()) {
-        note_limit();
-        return advance;
-      }
+    make_heuristic();
+    found_ = true;
+    ready_ = Advance::found;
+  }
+  [[nodiscard]] GuideSearch* needs_search() override { return ready_ ? nullptr : this; }
+  [[nodiscard]] Advance ready() const override { return ready_.value_or(Advance::unfinished); }
+
+  bool project() override {
+    if (std::exchange(begins_solve_, false)) {
+      if (!begin_solve()) ready_ = Advance::unfinished;
+      left_ = slice_.work - (work_so_far() - begun_);
+      searched_from_ = level_->work();
     }
+    if (!(work_left() > 0.0)) ready_ = Advance::unfinished;
+    return !ready_;
+  }
+  [[nodiscard]] Level& level() override { return *level_; }
+  /// The guide may request several paths.
+  [[nodiscard]] Grant grant() override {
+    return {more_ == 0 ? guide_->repairs().effort(renewing_) : static_cast<double>(more_),
+            {slice_.proposals, work_left()}};
+  }
+  void learn(Advance advance) override {
+    if (advance == Advance::unfinished) {
+      ready_ = advance;
+      return;
+    }
+    if (more_ == 0) {
+      first_ = advance;
+      if (renewing_) ++(level_->resolves().*renewed_for_);
+    } else {
+      ++level_->resolves().further_path;
+    }
+    more_ = guide_->repairs().another(level_->found() ? &level_->solution() : nullptr);
+    if (more_ == 0) end_solve();
   }
   [[nodiscard]] double work() const override { return level_ ? level_->work() : 0.0; }
   [[nodiscard]] std::uint64_t refuted() const override { return refuted_; }
@@ -217,10 +219,10 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
       guide_->project(finding.path[i], s);
       if (space.contains(s)) projected.push(s);
     }
-    level_->guidance().inform(std::move(projected));
+    level_->heuristic().inform(std::move(projected));
   }
   void expect_findings() override {
-    if (level_) level_->guidance().expect_paths();
+    if (level_) level_->heuristic().expect_paths();
   }
 
  private:
@@ -299,9 +301,9 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   /// Reports to the guide of S the places that S excluded, and configurations presumed valid that are invalid.
   void tell() {
     const Configurations lost = guide_->repairs().take_lost_places();
-    for (std::size_t i = 0; i < lost.size(); ++i) level_->guidance().lost(lost[i]);
+    for (std::size_t i = 0; i < lost.size(); ++i) level_->heuristic().lost(lost[i]);
     const Configurations invalid = guide_->repairs().take_found_invalid();
-    for (std::size_t i = 0; i < invalid.size(); ++i) level_->guidance().found_invalid(invalid[i]);
+    for (std::size_t i = 0; i < invalid.size(); ++i) level_->heuristic().found_invalid(invalid[i]);
   }
 
   /// Passes the instances to the guide.
@@ -312,7 +314,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   }
 
   /// Applies f to the current instance.
-  std::unique_ptr<Instance> project() {
+  std::unique_ptr<Instance> apply() {
     projected_ = parent_.instance().scene;
     if (!level_) run_.count_set_up(spec_, *projected_);
     again_ = false;
@@ -320,7 +322,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
     known_->paths.clear();
     known_->refuted = Configurations(parent_.instance().space.dimension());
     // The guidance of C is not complete before all its parts are made.
-    if (const SearchedGuidance* all = parent_.guidance().guide()) {
+    if (const SearchedGuidance* all = parent_.heuristic().guide()) {
       all->add_paths(known_->paths);
       if (Configurations refuted = all->refuted_places(); !refuted.empty()) known_->refuted = std::move(refuted);
     }
@@ -336,7 +338,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   /// Returns false, without applying f, where the run ends before.
   bool project_again() {
     if (!run_.count_further_set_up(spec_, *parent_.instance().scene)) return false;
-    auto sub = project();
+    auto sub = apply();
     if (known_ && sub->space != level_->instance().space) {
       located([&] {
         throw Error(fmt::format("f is applied again, and S is another space than before ({}): a level keeps its space",
@@ -365,23 +367,43 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   /// Whether h was refuted and S may be solved again.
   [[nodiscard]] bool renewable() const { return part()->stale() && (renewing_ || resolves_left_ > 0); }
 
-  /// Solves the instance in S for as many paths as the guide requests.
-  Advance search(const Slice& slice) {
-    const double begun = level_->work();
-    if (more_ == 0) {
-      first_ = level_->advance(guide_->repairs().effort(renewing_), slice);
-      if (first_ == Advance::unfinished) return first_;
-      if (renewing_) ++(level_->resolves().*renewed_for_);
-      more_ = guide_->repairs().another(level_->found() ? &level_->solution() : nullptr);
+  /// Work of the slice that is left.
+  [[nodiscard]] double work_left() const { return left_ - (level_->work() - searched_from_); }
+  /// Begins a solve of S, or continues one.
+  /// \return false where the run ends before
+  bool begin_solve() {
+    if (part() != nullptr && !renewing_) {
+      renewing_ = true;
+      renewed_for_ = refuted_by_;
+      --resolves_left_;
+      guide_->repairs().before_resolve();
+      again_ = known_.has_value();
     }
-    while (more_ > 0) {
-      const Slice left{slice.proposals, slice.work - (level_->work() - begun)};
-      if (left.work <= 0.0) return Advance::unfinished;
-      if (level_->advance(static_cast<double>(more_), left) == Advance::unfinished) return Advance::unfinished;
-      ++level_->resolves().further_path;
-      more_ = guide_->repairs().another(level_->found() ? &level_->solution() : nullptr);
+    if (!std::exchange(searched_, true)) again_ = known_ && known_->has_new();
+    if ((again_ || parent_.instance().scene != projected_) && !project_again()) return false;
+    tell();
+    return true;
+  }
+  /// Makes h of the paths that were found. A path with points that are invalid in C is refuted before any proposal:
+  /// then S is solved again, where it may.
+  void end_solve() {
+    const bool again = std::exchange(renewing_, false);
+    found_ = first_ == Advance::found;
+    // Without another path, further solves are useless, except with new samples; the earlier path may still guide.
+    if (again && !found_ && renewed_for_ != &Resolves::new_turn) {
+      resolves_left_ = 0;
+      guide_->repairs().no_other_path();
+      level_->resolves().exhausted = true;
     }
-    return first_;
+    make_heuristic();
+    counted_ = part()->stale();
+    if (counted_) {
+      ++refuted_;
+      begins_solve_ = renewable();
+      if (begins_solve_) return;
+      note_limit();
+    }
+    ready_ = first_;
   }
 
   Run& run_;
@@ -393,12 +415,18 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic> {
   bool custom_ = false;  ///< not in the registry
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
-  mutable std::optional<AlongPath> along_;                             ///< h's path, if it weighs a graph
-  std::optional<Known> known_;                                         ///< if f depends on it
-  std::size_t proposals_ = 0;                                          ///< of C, when the last outcome was received
-  bool again_ = false;                                                 ///< f is applied again before the next search
-  bool searched_ = false;                                              ///< the first search has begun
-  std::uint64_t epoch_ = 0;                                            ///< without that of the heuristic
+  mutable std::optional<AlongPath> along_;  ///< h's path, if it weighs a graph
+  std::optional<Known> known_;              ///< if f depends on it
+  std::size_t proposals_ = 0;               ///< of C, when the last outcome was received
+  bool again_ = false;                      ///< f is applied again before the next search
+  bool searched_ = false;                   ///< the first search has begun
+  Slice slice_;                             ///< for this proposal
+  double begun_ = 0.0;                      ///< work_so_far() when it began
+  double left_ = 0.0;                       ///< work of the slice when the solve began or went on
+  double searched_from_ = 0.0;              ///< work of the levels below then
+  bool begins_solve_ = false;               ///< the next search begins a solve, or continues one for another proposal
+  std::optional<Advance> ready_;            ///< what h answers for this proposal; none: S is to be searched
+  std::uint64_t epoch_ = 0;                 ///< without that of the heuristic
   std::shared_ptr<const Scene> projected_ = parent_.instance().scene;  ///< the scene that f was applied to
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t made_at_ = never;     ///< epoch of the parent's instance when h was made

@@ -18,25 +18,13 @@ class MixtureGuidance final : public PartsGuidance {
     weights_ = given_;
   }
   /// While the space of a part is searched, the other parts share its weight.
-  Advance prepare(const Slice& slice) override {
-    Advance best = Advance::nothing;
-    double total = 0.0;
-    ready_.assign(parts_.size(), 0.0);
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const Advance advance = parts_[i]->prepare(slice);
-      if (advance == Advance::found) best = advance;
-      if (advance == Advance::unfinished) continue;
-      ready_[i] = given_[i];
-      total += given_[i];
-    }
-    if (total == 0.0) return Advance::unfinished;
-    for (double& w : ready_) w /= total;
-    if (ready_ != weights_) {
-      weights_ = ready_;
-      ++changes_;
-    }
-    return best;
+  void begin(const Slice& slice) override { turns_.begin(slice, parts_); }
+  [[nodiscard]] GuideSearch* needs_search() override {
+    GuideSearch* next = turns_.needs_search(parts_);
+    if (next == nullptr) weigh();
+    return next;
   }
+  [[nodiscard]] Advance ready() const override { return turns_.ready(parts_); }
   [[nodiscard]] bool draws_while_searching() const override { return true; }
   Source sample(Stream& stream, MutableView out) override {
     double u = stream.uniform();
@@ -61,6 +49,23 @@ class MixtureGuidance final : public PartsGuidance {
   }
 
  private:
+  /// Divides the weights among the parts that can draw.
+  void weigh() {
+    double total = 0.0;
+    ready_.assign(parts_.size(), 0.0);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (parts_[i]->ready() == Advance::unfinished) continue;
+      ready_[i] = given_[i];
+      total += given_[i];
+    }
+    if (total == 0.0) return;
+    for (double& w : ready_) w /= total;
+    if (ready_ == weights_) return;
+    weights_ = ready_;
+    ++changes_;
+  }
+
+  AllInTurn turns_;
   std::vector<double> given_;    ///< normalised weights
   std::vector<double> weights_;  ///< weights of the parts that can draw; 0 for the others
   std::vector<double> ready_;    ///< scratch

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <trellis/strategy/searched_guidance.hpp>
@@ -17,14 +18,29 @@ class RaceGuidance final : public PartsGuidance {
   RaceGuidance(const RaceSettings& settings, std::vector<std::unique_ptr<SearchedGuidance>> parts)
       : PartsGuidance(std::move(parts)), slice_(static_cast<double>(settings.slice)), out_(parts_.size(), false) {}
 
-  Advance prepare(const Slice& slice) override {
-    if (led_ && (parts_[drawn_]->refuted() == begun_ || over())) return parts_[drawn_]->prepare(slice);
+  void begin(const Slice& slice) override {
+    given_ = slice;
+    searched_ = worked_ = 0.0;
+    racing_ = !(led_ && (parts_[drawn_]->refuted() == begun_ || over()));
+    if (!racing_) {
+      parts_[drawn_]->begin(slice);
+      return;
+    }
     if (led_ && !resumed_) {
       resumed_ = true;
       turn_ = (drawn_ + 1) % parts_.size();
     }
-    return run(slice);
+    next_runner();
   }
+  [[nodiscard]] GuideSearch* needs_search() override {
+    if (!racing_) return parts_[drawn_]->needs_search();
+    while (runner_) {
+      if (GuideSearch* next = parts_[*runner_]->needs_search()) return next;
+      end_turn();
+    }
+    return nullptr;
+  }
+  [[nodiscard]] Advance ready() const override { return racing_ ? ready_ : parts_[drawn_]->ready(); }
   Source sample(Stream& stream, MutableView out) override { return draw(stream, out); }
   /// The race counts as refuted only if its leader is refuted and no other part can lead.
   [[nodiscard]] std::uint64_t refuted() const override { return over() ? parts_[drawn_]->refuted() - begun_ : 0; }
@@ -43,33 +59,44 @@ class RaceGuidance final : public PartsGuidance {
     return led_;
   }
 
-  Advance run(const Slice& given) {
-    double searched = 0.0;
-    double worked = 0.0;
+  /// Begins the turn of the next part, or ends the race for this proposal.
+  void next_runner() {
+    runner_.reset();
     while (std::find(out_.begin(), out_.end(), false) != out_.end()) {
-      if (searched >= given.proposals || worked >= given.work) return Advance::unfinished;
+      ready_ = Advance::unfinished;
+      if (searched_ >= given_.proposals || worked_ >= given_.work) return;
       const std::size_t part = turn_;
       const double slice = slice_;
       turn_ = (turn_ + 1) % parts_.size();
       if (turn_ == 0) slice_ *= 2.0;
       if (out_[part]) continue;
-      const double before = parts_[part]->work();
-      const Advance advance = parts_[part]->prepare({slice, given.work - worked});
-      searched += slice;
-      worked += parts_[part]->work() - before;
-      if (advance == Advance::found && !parts_[part]->spent()) {
-        lead(part);
-        return advance;
-      }
-      // A permanently refuted part keeps its path, which may still guide, but cannot become the leader again.
-      if (advance != Advance::unfinished) out_[part] = true;
+      runner_ = part;
+      runs_ = slice;
+      before_ = parts_[part]->work();
+      parts_[part]->begin({slice, given_.work - worked_});
+      return;
     }
-    if (!led_) {
-      std::size_t best = 0;
-      while (best + 1 < parts_.size() && parts_[best]->guiding_path().empty()) ++best;
-      lead(parts_[best]->guiding_path().empty() ? 0 : best);
+    ready_ = Advance::nothing;
+    if (led_) return;
+    std::size_t best = 0;
+    while (best + 1 < parts_.size() && parts_[best]->guiding_path().empty()) ++best;
+    lead(parts_[best]->guiding_path().empty() ? 0 : best);
+  }
+  /// Ends the turn of a part: it becomes the leader, or the next one has its turn.
+  void end_turn() {
+    const std::size_t part = *runner_;
+    const Advance advance = parts_[part]->ready();
+    searched_ += runs_;
+    worked_ += parts_[part]->work() - before_;
+    if (advance == Advance::found && !parts_[part]->spent()) {
+      lead(part);
+      ready_ = advance;
+      runner_.reset();
+      return;
     }
-    return Advance::nothing;
+    // A permanently refuted part keeps its path, which may still guide, but cannot become the leader again.
+    if (advance != Advance::unfinished) out_[part] = true;
+    next_runner();
   }
   void lead(std::size_t part) {
     led_ = true;
@@ -79,7 +106,15 @@ class RaceGuidance final : public PartsGuidance {
     begun_ = parts_[part]->refuted();
   }
 
-  double slice_;               ///< of the current round
+  double slice_;                       ///< of the current round
+  Slice given_;                        ///< for this proposal
+  double searched_ = 0.0;              ///< of it, proposals
+  double worked_ = 0.0;                ///< of it, work
+  bool racing_ = true;                 ///< no leader draws this proposal yet
+  std::optional<std::size_t> runner_;  ///< the part that has its turn
+  double runs_ = 0.0;                  ///< its slice
+  double before_ = 0.0;                ///< its work before
+  Advance ready_ = Advance::unfinished;
   std::size_t turn_ = 0;       ///< part to search next
   std::vector<bool> out_;      ///< parts that cannot become the leader again
   bool led_ = false;           ///< there is a leader, or the best part guides

@@ -16,19 +16,25 @@ class ScheduleGuidance final : public PartsGuidance {
     if (parts_.size() > 1) expect_findings();
   }
 
-  Advance prepare(const Slice& slice) override {
+  void begin(const Slice& slice) override {
     const auto rounds = static_cast<std::uint64_t>(settings_.rounds);
     const auto& part = *parts_[drawn_];
     if (!last() &&
         (static_cast<double>(served_) >= settings_.turn || part.refuted() >= begun_ + rounds || part.spent())) {
       pass_on();
     }
+    slice_ = slice;
+    parts_[drawn_]->begin(slice);
+  }
+  [[nodiscard]] GuideSearch* needs_search() override {
     for (;;) {
-      const Advance advance = parts_[drawn_]->prepare(slice);
-      if (advance != Advance::nothing || last()) return advance;
+      if (GuideSearch* next = parts_[drawn_]->needs_search()) return next;
+      if (ready() != Advance::nothing || last()) return nullptr;
       pass_on();
+      parts_[drawn_]->begin(slice_);
     }
   }
+  [[nodiscard]] Advance ready() const override { return parts_[drawn_]->ready(); }
   Source sample(Stream& stream, MutableView out) override {
     ++served_;
     return draw(stream, out);
@@ -51,7 +57,9 @@ class ScheduleGuidance final : public PartsGuidance {
     begun_ = parts_[drawn_]->refuted();
     parts_[drawn_]->inform(finding);
   }
+
   ScheduleSettings settings_;
+  Slice slice_;
   std::int64_t served_ = 0;  ///< proposals of the current part
   std::uint64_t begun_ = 0;  ///< refutations of the current part before it became active
 };

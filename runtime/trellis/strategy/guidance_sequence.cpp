@@ -15,16 +15,24 @@ class SequenceGuidance final : public PartsGuidance {
       : PartsGuidance(std::move(parts)), turn_(turn) {
     if (parts_.size() > 1) expect_findings();
   }
-  Advance prepare(const Slice& slice) override {
+  void begin(const Slice& slice) override {
     if (parts_.size() > 1 && (served_ >= turn_ || given_up())) pass_on();
-    for (std::size_t i = 1;; ++i) {
-      const Advance advance = parts_[drawn_]->prepare(slice);
+    slice_ = slice;
+    tried_ = 1;
+    parts_[drawn_]->begin(slice);
+  }
+  [[nodiscard]] GuideSearch* needs_search() override {
+    for (;;) {
+      if (GuideSearch* next = parts_[drawn_]->needs_search()) return next;
       refuted_ = parts_[drawn_]->refuted();
       // If a search ends without a path, the turn passes to the next part, unless all parts failed.
-      if (advance != Advance::nothing || i == parts_.size()) return advance;
+      if (ready() != Advance::nothing || tried_ == parts_.size()) return nullptr;
+      ++tried_;
       pass_on();
+      parts_[drawn_]->begin(slice_);
     }
   }
+  [[nodiscard]] Advance ready() const override { return parts_[drawn_]->ready(); }
   Source sample(Stream& stream, MutableView out) override {
     ++served_;
     return draw(stream, out);
@@ -46,6 +54,8 @@ class SequenceGuidance final : public PartsGuidance {
   }
 
   std::int64_t turn_;
+  Slice slice_;
+  std::size_t tried_ = 0;  ///< parts that had the turn before this proposal
   std::int64_t served_ = 0;
   std::uint64_t turns_ = 0;    ///< number of turns passed on
   std::uint64_t refuted_ = 0;  ///< refutations of the current part before it drew

@@ -2,16 +2,12 @@
 #include <trellis/strategy/level.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <memory>
 #include <utility>
 
 #include <trellis/base/slice_monitor.hpp>
-#include <trellis/guide/lifted.hpp>
 #include <trellis/guide/set_up.hpp>
-#include <trellis/instance/search_cost.hpp>
-#include <trellis/strategy/absorb.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
 #include <trellis/strategy/team_search.hpp>
@@ -27,7 +23,7 @@ double thread_seconds() {
 
 RunCost Run::cost() const {
   RunCost sum{0.0, set_up};
-  for (const Level* level : levels) sum = sum + level->cost();
+  for (Level* level : levels) sum = sum + level->ledger().cost();
   return sum;
 }
 
@@ -58,7 +54,7 @@ void Run::end_searches() {
   abandons_levels = false;
   const MonitorScope unmonitored(nullptr);
   // A level waits for those with higher numbers.
-  for (auto level = levels.rbegin(); level != levels.rend(); ++level) (*level)->end_search();
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) (*level)->leave();
 }
 
 void Run::abandon(Level& level) {
@@ -66,7 +62,7 @@ void Run::abandon(Level& level) {
   if (levels.empty()) return;
   Checks& root = levels.front()->instance().checks;
   root += level.instance().checks;
-  root.other += level.cost().work - level.instance().checks.work - level.instance().checks.other;
+  root.other += level.ledger().cost().work - level.instance().checks.work - level.instance().checks.other;
 }
 
 bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
@@ -92,8 +88,10 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
       kind_(*find_planner(planner.name())),
       planner_spec_(planner),
       common_(kind_.common(planner.options())),
-      guidance_(*instance_, common_, record_.search),
-      lookahead_(*instance_, guidance_, run.helpers),
+      ledger_(run, *instance_, record_.search, common_, h_,
+              kind_.graph && parent != nullptr && parent->parent_ != nullptr),
+      h_(*instance_, common_, ledger_, parent != nullptr),
+      lookahead_(*instance_, h_, run.helpers),
       proposal_(instance_->space.dimension()) {
   if (!kind_.graph) instance_->graph = nullptr;
   instance_->step = common_.step;
@@ -113,34 +111,11 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
   if (!run_.densities) record_.search.density.disable();
-  guidance_.limit_slice([this] { return work_limit_ - work(); });
-  if (parent != nullptr) guidance_.expect_relaxed();
   run.levels.push_back(this);
 }
 
-double Level::own_work() const {
-  return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
-         instance_->other_in_checks();
-}
-
-RunCost Level::cost() const {
-  const Checks& checks = instance_->checks;
-  const double proposals = static_cast<double>(record_.search.proposals.size()) - absorbed_;
-  const bool guided = parent_ != nullptr || guidance_.guide() != nullptr;
-  const double proposal = search_cost::proposal + (guided ? search_cost::guided_proposal : 0.0);
-  return {static_cast<double>(checks.validity),
-          checks.work + checks.other + instance_->lift_work.total() + proposal * proposals};
-}
-
-double Level::work() const {
-  const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
-  return own_work() + below + parts_work_ - guidance_.deducted() - first_searches();
-}
-
 void Level::replace_instance(std::unique_ptr<Instance> instance) {
-  first_searches_ = first_searches();
-  searched_ = false;
-  first_search_begun_ = own_work();
+  ledger_.replace_instance();
   instance->checks += instance_->checks;
   instance->checks.other += instance->lift_work.total();
   // Guides that were projected from the instance before count there.
@@ -154,24 +129,10 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
   found_ = false;
 }
 
-Advance Level::advance(double proposals, const Slice& slice) {
-  ++run_.searches;
-  double* above = run_.clock.switch_to(&record_.search.seconds);
-  if (run_.active_level != nullptr) run_.active_level->pause();
-  Level* asking = std::exchange(run_.active_level, this);
-  const double limit =
-      std::exchange(work_limit_, slice.work < Budget::unlimited ? work() + slice.work : Budget::unlimited);
-  const Advance advance = solve_own(proposals, slice);
-  work_limit_ = limit;
-  run_.active_level = asking;
-  run_.clock.switch_to(above);
-  return advance;
-}
-
 std::unique_ptr<Planner> Level::make_planner() {
-  record_.search.sources = guidance_.sources();
-  PlannerContext context{*instance_,     guidance_,          Stream(run_.seed, record_.key, stream_),
-                         record_.search, guidance_.guided(), &lookahead_};
+  record_.search.sources = h_.sources();
+  PlannerContext context{*instance_,     h_,          Stream(run_.seed, record_.key, stream_),
+                         record_.search, h_.guided(), &lookahead_};
   if (division_) {
     TeamSearchContext of{
         run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, *division_, std::move(context)};
@@ -183,108 +144,94 @@ std::unique_ptr<Planner> Level::make_planner() {
   return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(context));
 }
 
-Advance Level::solve_own(double proposals, const Slice& slice) {
-  begin_solve(proposals, slice);
-  while (!ended_) ended_ = step();
-  return end_solve(solution_found());
-}
-
-void Level::begin_root_solve() {
-  run_.clock.switch_to(&record_.search.seconds);
-  run_.active_level = this;
-  begin_solve(Budget::unlimited, {});
-}
-
-bool Level::step_root_solve() {
-  if (!ended_) ended_ = step();
-  if (!ended_) return false;
-  static_cast<void>(end_solve(solution_found()));
-  return true;
-}
-
-namespace {
-
-/// Completes the record of a proposal whose result is not known.
-void complete_proposals(Search& search, bool driven) {
-  while (search.fates.size() < search.proposals.size()) {
-    search.fates.push_back(Fate::rejected);
-    search.near.push_back(no_node);
-    search.added.push_back(no_node);
-    if (driven) search.controls.ends.push_back(static_cast<std::uint32_t>(search.controls.steps.size()));
+class Level::Active {
+ public:
+  Active(Level& level, const Slice& slice)
+      : level_(level),
+        charged_(level.run_.clock.switch_to(&level.record_.search.seconds)),
+        asking_(std::exchange(level.run_.active_level, &level)) {
+    ++level.run_.searches;
+    if (asking_ != nullptr) asking_->pause();
+    const bool limited = slice.work < Budget::unlimited;
+    limit_ = level.ledger_.limit_work(limited ? level.work() + slice.work : Budget::unlimited);
   }
-}
-
-}  // namespace
-
-void Level::complete_proposals() { trellis::complete_proposals(record_.search, instance_->motion_model != nullptr); }
-
-void Level::end_search() {
-  complete_proposals();
-  const auto solves = record_.solves;
-  if (solving_) {
-    // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
-    Solution found{Status::interrupted, path_of_start(*instance_)};
-    if (keeps_path() && !run_.improvements.empty()) {
-      Solution best = planner_->solution(Status::budget_spent);
-      if (best.solved()) found = std::move(best);
-    }
-    static_cast<void>(end_solve(std::move(found)));
+  ~Active() {
+    level_.ledger_.limit_work(limit_);
+    level_.run_.active_level = asking_;
+    level_.run_.clock.switch_to(charged_);
   }
-  // The root counts the reason of a further solve before it begins, a level above when it has returned.
-  if (solves > 0) record_.solves = parent_ == nullptr ? 1 + record_.resolves.refuted_path : solves;
+  Active(const Active&) = delete;
+  Active& operator=(const Active&) = delete;
+
+ private:
+  Level& level_;
+  double* charged_;
+  Level* asking_;
+  double limit_ = Budget::unlimited;
+};
+
+Advance Level::advance(const Grant& grant) {
+  const Active active(*this, grant.slice);
+  begin(grant);
+  while (!ended_) take_step();
+  return end();
 }
 
-void Level::begin_solve(double proposals, const Slice& slice) {
-  if (!planner_) planner_ = make_planner();
-  const auto drawn = static_cast<double>(record_.search.proposals.size());
-  // `proposals` limits all slices of a solve together.
-  if (!solve_begun_) solve_begun_ = drawn;
-  Budget budget = common_.budget;
-  whole_ = std::min(budget.proposals, *solve_begun_ + proposals);
-  budget.proposals = sliced_ = std::min(whole_, drawn + slice.proposals);
-  budget_.emplace(*instance_, record_.search, budget, &run_.stopped);
-  lookahead_.clear();
-  ended_ = planner_->begin(budget);
-  solving_ = true;
+void Level::take_step() {
+  ended_ = step();
+  for (auto next = part(); next.level != nullptr; next = part())
+    ended_ = divides_->take(next.level->advance(next.grant));
 }
 
 std::optional<Status> Level::step() {
-  if (const auto limit = stop()) return planner_->stopped(*limit);
-  if (const auto limit = search_below()) return planner_->stopped(*limit);
+  if (const auto stop = ledger_.stop(planner_->draws())) return planner_->stopped(*stop);
+  if (const auto stop = search_below()) return planner_->stopped(*stop);
   const Plan plan = planner_->plan();
   if (!plan.proposal) return planner_->work();
   const Lookahead::Timed timed = lookahead_.begin_step(*planner_);
-  record_outcome(guidance_, planner_->extend(draw(plan)), record_.search);
+  record_outcome(h_, planner_->extend(draw(plan)), record_.search);
   return planner_->follow();
 }
 
-std::optional<Status> Level::stop() {
-  if (budget_->reached(planner_->draws())) return Status::budget_spent;
-  if (run_.interrupted && run_.interrupted()) return Status::interrupted;
-  if (run_.before_step && run_.before_step()) return Status::interrupted;
-  if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
-  return std::nullopt;
-}
-
 std::optional<Status> Level::search_below() {
-  const std::uint64_t searches = run_.searches;
-  const double worked = own_work();
-  guidance_.prepare();
-  // The run may have ended while the levels below were searched.
-  const bool searched = run_.searches != searches || own_work() != worked;
-  if (searched && run_.before_step && run_.before_step()) return Status::interrupted;
-  if (run_.interrupted && run_.interrupted()) return Status::interrupted;
-  if (searched && run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
-  const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
-  return pauses ? std::optional(Status::paused) : std::nullopt;
+  if (ledger_.asks_guide()) {
+    SearchedGuidance& guide = *h_.guide();
+    const Ledger::Asking asking(ledger_);
+    do {
+      guide.begin(ledger_.slice());
+      while (GuideSearch* search = guide.needs_search()) {
+        if (search->project()) search->learn(search->level().advance(search->grant()));  // f, the recursion, h
+      }
+    } while (ledger_.goes_on(guide.ready()));
+    ledger_.close(guide.ready());
+  }
+  return ledger_.stop_after_search();
 }
 
 View Level::draw(const Plan& plan) {
-  draw_proposal(guidance_, plan, planner_->stream(), record_.search, proposal_);
-  if (run_.watch) run_.watch(record_, guidance_);
+  draw_proposal(h_, plan, planner_->stream(), record_.search, proposal_);
+  if (run_.watch) run_.watch(record_, h_);
   lookahead_.drawn(proposal_);
   return proposal_;
 }
+
+void Level::begin_root() {
+  run_.clock.switch_to(&record_.search.seconds);
+  run_.active_level = this;
+  begin({});
+}
+
+void Level::begin(const Grant& grant) {
+  if (!planner_) {
+    planner_ = make_planner();
+    divides_ = dynamic_cast<DividingPlanner*>(planner_.get());
+  }
+  lookahead_.clear();
+  ended_ = planner_->begin(ledger_.begin(grant));
+  solving_ = true;
+}
+
+Advance Level::end() { return end(solution_found()); }
 
 Solution Level::solution_found() {
   if (keeps_path() && *ended_ == Status::interrupted) {
@@ -295,23 +242,20 @@ Solution Level::solution_found() {
   return solution_of(*planner_, *instance_, *ended_);
 }
 
-Advance Level::end_solve(Solution found) {
+Advance Level::end(Solution found) {
   solving_ = false;
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;
   found_ = found.solved();
-  if (found_) guidance_.found([&] { return path_length(instance_->space, found.path); });
-  const auto drawn = static_cast<double>(record_.search.proposals.size());
-  const bool sliced = paused || (drawn >= sliced_ && drawn < whole_);
+  if (found_) h_.found([&] { return path_length(instance_->space, found.path); });
+  const bool sliced = ledger_.sliced(paused);
   const Advance advance = found_                                           ? Advance::found
                           : sliced && found.status == Status::budget_spent ? Advance::unfinished
                                                                            : Advance::nothing;
   if (advance == Advance::unfinished) {
     pause();
   } else {
-    solve_begun_.reset();
-    if (!searched_) first_searches_ += own_work() - first_search_begun_;
-    searched_ = true;
+    ledger_.end_solve();
     ++record_.solves;
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);
@@ -325,99 +269,31 @@ Advance Level::end_solve(Solution found) {
   return advance;
 }
 
+void Level::leave() {
+  if (divides_ != nullptr) divides_->leave();
+  complete_proposals(record_.search, instance_->motion_model != nullptr);
+  const auto solves = record_.solves;
+  if (solving_) {
+    // The planner's own solution needs a step that has ended, but for the path that an anytime planner has stored.
+    Solution found{Status::interrupted, path_of_start(*instance_)};
+    if (keeps_path() && !run_.improvements.empty()) {
+      Solution best = planner_->solution(Status::budget_spent);
+      if (best.solved()) found = std::move(best);
+    }
+    static_cast<void>(end(std::move(found)));
+  }
+  // The root counts the reason of a further solve before it begins, a level above when it has returned.
+  if (solves > 0) record_.solves = parent_ == nullptr ? 1 + record_.resolves.refuted_path : solves;
+}
+
 void Level::refute() {
   ++record_.resolves.refuted_path;
   found_ = false;
   record_.solution = {};
-  guidance_.refuted();
+  ledger_.found(false);
   // The points of the cost curve before the refuted path remain.
   if (!run_.improvements.empty()) run_.improvements.pop_back();
   run_.refuted = true;
-}
-
-namespace {
-
-/// Copies a small container into memory of its own size. What it grew in is then free for the next run, which finds it
-/// in the caches: each 4 KiB of new memory costs a page fault. A large one stays: the copy would double the memory of
-/// the run, and the system gives no memory for what was reserved and not written.
-template <class T>
-void fit(T& rows) {
-  constexpr std::size_t small = 1 << 16;  // rows
-  if (rows.size() <= small) rows = T(std::as_const(rows));
-}
-
-void fit(Search& search) {
-  fit(search.nodes);
-  fit(search.parents);
-  fit(search.proposals);
-  fit(search.fates);
-  fit(search.near);
-  fit(search.added);
-  fit(search.proposal_sources);
-  fit(search.controls.controls);
-  fit(search.controls.steps);
-  fit(search.controls.driven);
-  fit(search.controls.ends);
-  fit(search.validated);
-  fit(search.edges);
-}
-
-}  // namespace
-
-void Level::complete(LevelRecord& record, bool lift, const Level* companion) const {
-  record.scene = instance_->scene;
-  record.search.checks = instance_->checks;
-  if (companion != nullptr) {
-    const bool expands = record.search.expands;
-    absorb(companion->record_.search, record.search);
-    record.search.expands = expands;
-    record.search.checks += companion->instance_->checks;
-    record.search.seconds += companion->record_.search.seconds;
-  }
-  const LevelGuidance::BothSpent spent = guidance_.spent();
-  record.guided = guidance_.guided();
-  record.guided_checks = record.guided ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
-  record.unguided_checks =
-      record.search.checks.validity - std::min(record.guided_checks, record.search.checks.validity);
-  const auto& sources = record.search.proposal_sources;
-  record.guided_proposals = static_cast<std::uint64_t>(
-      std::count_if(sources.begin(), sources.end(), [](auto source) { return LevelGuidance::is_guided(source); }));
-  record.search.sources = guidance_.sources();
-  if (parent_ != nullptr && lift) {
-    record.lifted_nodes = lifted(record.search.nodes, "lift nodes");
-    record.lifted_proposals = lifted(record.search.proposals, "lift proposals");
-  }
-  record.valid = [validity = instance_->validity](View q) { return validity->state(q); };
-  record.valid_motion = [validity = instance_->validity](View a, View b) { return validity->motion(a, b).valid; };
-  record.search.density.compact();
-  if (record.search.density.exact()) {
-    const auto density = std::make_shared<const DensityRecord>(record.search.density);
-    record.proposal_density = [density](View q) { return density->at(q); };
-    if (closed_fibres()) record.root_proposal_density = lifted(record.proposal_density);
-    record.proposal_atoms = density->atoms();
-  }
-}
-
-LevelRecord Level::take_record(bool lift, const Level* companion) {
-  complete(record_, lift, companion);
-  fit(record_.search);
-  std::string key = record_.key;
-  LevelRecord taken = std::move(record_);
-  // The keys of the random streams for lifts from the levels below contain it.
-  record_.key = std::move(key);
-  return taken;
-}
-
-LevelRecord Level::record_so_far(bool lift, const Level* companion) {
-  LevelRecord record = record_;
-  trellis::complete_proposals(record.search, instance_->motion_model != nullptr);
-  if (solving_) {
-    ++record.solves;
-    if (!record.solution.solved()) record.solution = planner_->solution(Status::paused);
-    if (!record.solution.solved()) record.solution.status = Status::interrupted;
-  }
-  complete(record, lift, companion);
-  return record;
 }
 
 void Level::pause() {
@@ -439,49 +315,6 @@ void Level::end_turn(Configurations path, bool solve_ended) {
 void Level::add_open_turn(std::vector<Turn>& turns) const {
   const Search& search = record_.search;
   if (search.proposals.size() + search.nodes.size() > noted_) turns.push_back(turn({}, false));
-}
-
-Configurations Level::lifted(const Configurations& rows, const std::string& purpose) const {
-  Configurations current = rows;
-  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
-    Stream stream(run_.seed, record_.key, purpose + " from " + at->record_.key);
-    const std::size_t dimension = at->parent_->instance_->space.dimension();
-    Configurations next(dimension);
-    next.reserve(current.size());
-    Configuration q(dimension);
-    for (std::size_t i = 0; i < current.size(); ++i) {
-      at->lift_->lift(std::as_const(current)[i], stream, q);
-      next.push(q);
-    }
-    current = std::move(next);
-  }
-  return current;
-}
-
-bool Level::closed_fibres() const {
-  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
-    if (!at->lift_->closed_fibre()) return false;
-  }
-  return true;
-}
-
-std::function<double(View)> Level::lifted(std::function<double(View)> density) const {
-  const auto through = [&](auto f, std::size_t dimension) {
-    return [density = std::move(density), f = std::move(f), s = Configuration(dimension)](View q) mutable {
-      f->project(q, s);
-      const double p = density(s);
-      return p > 0.0 ? p * std::exp(f->log_fibre_density(q)) : p;
-    };
-  };
-  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
-    const std::size_t dimension = at->instance_->space.dimension();
-    if (auto f = at->lift_->shared_projection()) {
-      density = through(std::move(f), dimension);
-    } else {
-      density = through(at->lift_, dimension);
-    }
-  }
-  return density;
 }
 
 }  // namespace trellis

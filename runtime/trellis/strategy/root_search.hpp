@@ -124,8 +124,11 @@ class RootSearch {
 
  private:
   void take_step() {
-    if (!std::exchange(begun_, true)) root_.begin_root_solve();
-    if (root_.step_root_solve()) decide();
+    if (!std::exchange(begun_, true)) root_.begin_root();
+    if (!root_.ended()) root_.take_step();
+    if (!root_.ended()) return;
+    root_.end();
+    decide();
   }
   /// Certifies the path of a solve that has ended. Begins another solve where it cannot be certified.
   void decide() {
@@ -146,7 +149,7 @@ class RootSearch {
     }
     revise(place->invalid);
     root_.refute();
-    root_.begin_root_solve();
+    root_.begin_root();
   }
   void make_revisable() {
     validity_ = std::make_shared<RevisableValidity>(root_.instance().validity);

@@ -34,22 +34,47 @@ struct Slice {
   double work = std::numeric_limits<double>::infinity();       ///< for a level and all below it, see `Level::work`
 };
 
+/// Limits of one call of Level::advance.
+struct Grant {
+  double solve = std::numeric_limits<double>::infinity();  ///< proposals of this solve, all its slices together
+  Slice slice = {};                                        ///< of this call
+};
+
+/// A part of h that searches a space S.
+class GuideSearch {
+ public:
+  GuideSearch() = default;
+  GuideSearch(const GuideSearch&) = delete;
+  GuideSearch& operator=(const GuideSearch&) = delete;
+  virtual ~GuideSearch() = default;
+
+  /// Applies f where the instance in S is out of date, and tells the level below what was learnt in C.
+  /// \return whether the level below is searched now: not where the slice is spent, or the run ends
+  virtual bool project() = 0;
+  /// The level of S.
+  [[nodiscard]] virtual Level& level() = 0;
+  /// What it may spend now.
+  [[nodiscard]] virtual Grant grant() = 0;
+  /// Makes h of what the level found.
+  virtual void learn(Advance advance) = 0;
+};
+
 /// The results of a guidance so far, in the space of the level that it guides.
 struct Finding {
   Configurations path;     ///< current guiding path; empty if none
   Configurations refuted;  ///< places that evidence refuted
 };
 
-/// A guidance that a level can prepare (by solving the levels below) before it draws, and that accepts the findings of
-/// other guidances.
+/// A guidance whose level searches the levels below before it draws, and that accepts the findings of other guidances.
 class SearchedGuidance : public Guidance {
  public:
-  /// Called before every proposal. Solves the instances below if necessary: the first time, or after h was refuted.
-  /// While it returns `unfinished`, nothing may be drawn; the next call continues.
-  virtual Advance prepare(const Slice& slice) {
-    static_cast<void>(slice);
-    return Advance::found;
-  }
+  /// Called before every proposal: then `needs_search` may return searches, each of which is to be advanced.
+  /// \param slice  what the searches may spend before the proposal
+  virtual void begin(const Slice& slice) { static_cast<void>(slice); }
+  /// The next search before h may draw: the first time, or after h was refuted. nullptr: none.
+  [[nodiscard]] virtual GuideSearch* needs_search() { return nullptr; }
+  /// Whether h may draw, once there is no such search: not while it is `unfinished`.
+  [[nodiscard]] virtual Advance ready() const { return Advance::found; }
   /// Whether parts of it draw while the space of another part is searched.
   [[nodiscard]] virtual bool draws_while_searching() const { return false; }
   /// Work of all levels below, as this level counts it (Level::work).
@@ -136,17 +161,6 @@ class PartsGuidance : public Composed<SearchedGuidance> {
   }
 
  protected:
-  /// Prepares every part. Returns `found` if any part has a path.
-  Advance prepare_all(const Slice& slice) {
-    Advance best = Advance::nothing;
-    bool unfinished = false;
-    for (auto& part : parts_) {
-      const Advance advance = part->prepare(slice);
-      unfinished = unfinished || advance == Advance::unfinished;
-      if (advance == Advance::found) best = advance;
-    }
-    return unfinished ? Advance::unfinished : best;
-  }
   Source draw(Stream& stream, MutableView out) {
     return static_cast<Source>(first_source_[drawn_] + parts_[drawn_]->sample(stream, out));
   }
@@ -160,6 +174,38 @@ class PartsGuidance : public Composed<SearchedGuidance> {
 
  private:
   std::vector<Source> first_source_;
+};
+
+/// The searches of all parts, one part after another: each gets the whole slice.
+class AllInTurn {
+ public:
+  using Parts = std::vector<std::unique_ptr<SearchedGuidance>>;
+
+  void begin(const Slice& slice, const Parts& parts) {
+    slice_ = slice;
+    at_ = 0;
+    parts.front()->begin(slice_);
+  }
+  [[nodiscard]] GuideSearch* needs_search(const Parts& parts) {
+    while (at_ < parts.size()) {
+      if (GuideSearch* next = parts[at_]->needs_search()) return next;
+      if (++at_ < parts.size()) parts[at_]->begin(slice_);
+    }
+    return nullptr;
+  }
+  /// `unfinished` if no part is ready, `found` if a part has a path.
+  [[nodiscard]] Advance ready(const Parts& parts) const {
+    Advance best = Advance::unfinished;
+    for (const auto& part : parts) {
+      const Advance ready = part->ready();
+      if (best != Advance::found && ready != Advance::unfinished) best = ready;
+    }
+    return best;
+  }
+
+ private:
+  Slice slice_;
+  std::size_t at_ = 0;  ///< the part that has its turn
 };
 
 /// These functions combine guides. A mixture's weights are those of its terms.

@@ -44,10 +44,10 @@ struct Candidates {
 
 /// Divides an instance at a sub-goal, which lies on the guiding path or is a valid proposal, and solves both halves by
 /// the same strategy. If a half is not solved, tries other sub-goals; finally solves the undivided instance.
-class SplitSearch final : public Planner {
+class SplitSearch final : public DividingPlanner {
  public:
   SplitSearch(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide, PlannerContext context)
-      : Planner(std::move(context)),
+      : DividingPlanner(std::move(context)),
         run_(run),
         level_(level),
         planner_(planner),
@@ -102,8 +102,31 @@ class SplitSearch final : public Planner {
     if (undivided_) return undivided_->stopped(limit);
     if (!candidates_) return limit;
     // The best candidate so far may still divide the instance.
-    const std::optional<Status> ended = divide_at(candidates_->best);
-    return ended ? ended : std::optional(limit);
+    limit_ = limit;
+    return divide_at(candidates_->best);
+  }
+
+  [[nodiscard]] Part part() override {
+    if (undivided_) return undivided_divides_ != nullptr ? undivided_divides_->part() : Part{};
+    return {half_, {}};
+  }
+  std::optional<Status> take(Advance advance) override {
+    if (undivided_) return undivided_divides_->take(advance);
+    Level& ended = *std::exchange(half_, nullptr);
+    absorb_half(ended);
+    const Solution& found = ended.solution();
+    halves_.validity += ended.instance().checks.validity;
+    seconds_ += ended.record().search.seconds;
+    if (!found.solved()) return end_try();
+    for (std::size_t k = number_ == 0 ? 0 : 1; k < found.path.size(); ++k) whole_.path.push(found.path[k]);
+    append(found.trajectory, whole_.trajectory);
+    if (++number_ < names.size()) return begin_half();
+    found_ = std::move(whole_);
+    return end_try();
+  }
+  void leave() override {
+    if (undivided_divides_ != nullptr) undivided_divides_->leave();
+    if (half_ != nullptr) absorb_half(*std::exchange(half_, nullptr));
   }
 
   [[nodiscard]] Solution solution(Status status) override {
@@ -127,13 +150,22 @@ class SplitSearch final : public Planner {
     return rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0;
   }
 
-  /// Ends a try: solves the halves at its sub-goal, if there is one. After the last try the instance is not divided.
+  /// Divides the instance at the sub-goal of a try, if it has one.
   std::optional<Status> divide_at(const std::optional<Configuration>& sub_goal) {
     ++tries_;
-    if (sub_goal) found_ = join(*sub_goal, budget_);
+    if (!sub_goal) return end_try();
+    sub_goal_ = *sub_goal;
+    number_ = 0;
+    whole_ = {Status::solved, Configurations(context_.instance.space.dimension()), {}};
+    return begin_half();
+  }
+  /// Ends a try. After the last one the instance is not divided.
+  std::optional<Status> end_try() {
     candidates_.reset();
+    const std::optional<Status> limit = std::exchange(limit_, std::nullopt);
     if (found_) return Status::solved;
-    return tries_ < settings_.tries ? std::nullopt : undivide();
+    const std::optional<Status> ended = tries_ < settings_.tries ? std::nullopt : undivide();
+    return ended ? ended : limit;
   }
 
   /// Begins the search of the undivided instance.
@@ -142,7 +174,9 @@ class SplitSearch final : public Planner {
     PlannerContext context = context_;
     context.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
     if (leaf.dividing() != nullptr) {
-      undivided_ = make_split_search(run_, level_, leaf, guide_, std::move(context));
+      auto divides = make_split_search(run_, level_, leaf, guide_, std::move(context));
+      undivided_divides_ = divides.get();
+      undivided_ = std::move(divides);
     } else {
       undivided_ = find_planner(leaf.name())->make(leaf.options(), std::move(context));
     }
@@ -153,7 +187,7 @@ class SplitSearch final : public Planner {
   /// valid configuration near it.
   std::optional<Configuration> on_path() {
     if (guide_ == nullptr) return std::nullopt;
-    const Configurations path = level_.guidance().guide()->guiding_path();
+    const Configurations path = level_.heuristic().guide()->guiding_path();
     return path.size() >= 2 ? near(point(path, share(tries_))) : std::nullopt;
   }
 
@@ -230,49 +264,31 @@ class SplitSearch final : public Planner {
 
   void absorb_half(const Level& half) {
     absorb(half.record().search, context_.search);
-    level_.note_absorbed(half.record().search.proposals.size());
+    level_.ledger().note_absorbed(half.record().search.proposals.size());
   }
 
-  /// The path through the sub-goal; none if a half was not solved.
-  std::optional<Solution> join(const Configuration& goal, const Budget& budget) {
-    Solution whole;
-    whole.status = Status::solved;
-    whole.path = Configurations(context_.instance.space.dimension());
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      auto half = std::make_unique<Instance>(context_.instance);
-      half->checks = {};
-      // The second half starts where the first one ended, within the goal tolerance of the sub-goal.
-      if (i == 0) {
-        half->goals = {goal};
-      } else {
-        const View reached = whole.path.back();
-        half->start.assign(reached.begin(), reached.end());
-      }
-      const PlannerSpec planner = planner_.half();
-      levels_.push_back(std::make_unique<Level>(run_, &level_, fmt::format("{}/{}.{}", level_.record().key, tries_, i),
-                                                names[i], std::move(half), planner, lift_));
-      Level& level = *levels_.back();
-      if (guide_ != nullptr) level.guide_by(*guide_);
-      Budget allowed = left(budget);
-      allowed.proposals = std::min(allowed.proposals, static_cast<double>(settings_.effort));
-      if (allowed.proposals <= 0.0 || allowed.checks <= 0.0 || allowed.seconds <= 0.0) return {};
-      level.limit(allowed);
-      try {
-        level.solve();
-      } catch (const SearchEnded&) {
-        level.complete_proposals();
-        absorb_half(level);
-        throw;
-      }
-      absorb_half(level);
-      const Solution& found = level.solution();
-      halves_.validity += level.instance().checks.validity;
-      seconds_ += level.record().search.seconds;
-      if (!found.solved()) return {};
-      for (std::size_t k = i == 0 ? 0 : 1; k < found.path.size(); ++k) whole.path.push(found.path[k]);
-      append(found.trajectory, whole.trajectory);
+  /// Begins the search of a half.
+  std::optional<Status> begin_half() {
+    auto half = std::make_unique<Instance>(context_.instance);
+    half->checks = {};
+    // The second half starts where the first one ended, within the goal tolerance of the sub-goal.
+    if (number_ == 0) {
+      half->goals = {sub_goal_};
+    } else {
+      const View reached = whole_.path.back();
+      half->start.assign(reached.begin(), reached.end());
     }
-    return whole;
+    levels_.push_back(std::make_unique<Level>(run_, &level_,
+                                              fmt::format("{}/{}.{}", level_.record().key, tries_, number_),
+                                              names[number_], std::move(half), planner_.half(), lift_));
+    Level& level = *levels_.back();
+    if (guide_ != nullptr) level.guide_by(*guide_);
+    Budget allowed = left(budget_);
+    allowed.proposals = std::min(allowed.proposals, static_cast<double>(settings_.effort));
+    if (allowed.proposals <= 0.0 || allowed.checks <= 0.0 || allowed.seconds <= 0.0) return end_try();
+    level.limit(allowed);
+    half_ = &level;
+    return std::nullopt;
   }
 
   static constexpr std::array<const char*, 2> names = {"first half", "second half"};
@@ -283,11 +299,17 @@ class SplitSearch final : public Planner {
   const GuideSpec* guide_;
   SplitSettings settings_;
   std::shared_ptr<Guide> lift_;
-  std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken after the run
-  std::unique_ptr<Planner> undivided_;          ///< after the last try
-  Budget budget_;                               ///< of this solve
-  std::optional<Candidates> candidates_;        ///< for the sub-goal of this try, while they are drawn
-  std::optional<Solution> found_;               ///< the solution of both halves
+  std::vector<std::unique_ptr<Level>> levels_;    ///< of all tries; their records are taken after the run
+  std::unique_ptr<Planner> undivided_;            ///< after the last try
+  DividingPlanner* undivided_divides_ = nullptr;  ///< if it divides too
+  Configuration sub_goal_;
+  std::size_t number_ = 0;                ///< of the half that is searched
+  Level* half_ = nullptr;                 ///< its search
+  Solution whole_;                        ///< of the halves that were solved
+  std::optional<Status> limit_;           ///< reached before the halves were searched
+  Budget budget_;                         ///< of this solve
+  std::optional<Candidates> candidates_;  ///< for the sub-goal of this try, while they are drawn
+  std::optional<Solution> found_;         ///< the solution of both halves
   Checks halves_;
   double seconds_ = 0.0;
   std::int64_t tries_ = 0;
@@ -296,8 +318,8 @@ class SplitSearch final : public Planner {
 
 }  // namespace
 
-std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
-                                           PlannerContext context) {
+std::unique_ptr<DividingPlanner> make_split_search(Run& run, Level& level, const PlannerSpec& planner,
+                                                   const GuideSpec* guide, PlannerContext context) {
   return std::make_unique<SplitSearch>(run, level, planner, guide, std::move(context));
 }
 

@@ -40,7 +40,8 @@ class GroupsSearch : public TeamPartsSearch {
       if (division_.how != Coordination::order && begin_timetable()) return std::nullopt;
       begin_part();
     }
-    return advance_part();
+    advance_part();
+    return std::nullopt;
   }
 
  protected:

@@ -59,7 +59,7 @@ bool guides_searches_of(const GuideSpec& guide, std::size_t robots) {
 }
 
 TeamPartsSearch::TeamPartsSearch(TeamSearchContext of)
-    : Planner(std::move(of.context)),
+    : DividingPlanner(std::move(of.context)),
       run_(of.run),
       level_(of.level),
       planner_(std::move(of.planner)),
@@ -119,12 +119,16 @@ void TeamPartsSearch::guide_part(std::size_t robots) {
   if (guide_ != nullptr && guides_searches_of(*guide_, robots)) current_->guide_by(*guide_);
 }
 
-std::optional<Status> TeamPartsSearch::advance_part() {
+DividingPlanner::Part TeamPartsSearch::part() {
   constexpr double piece = 256.0;
-  const Advance advance = current_->advance(std::ceil(effort_), {Budget::unlimited, piece});
+  if (!std::exchange(advances_, false)) return {};
+  return {current_, {std::ceil(effort_), {Budget::unlimited, piece}}};
+}
+
+std::optional<Status> TeamPartsSearch::take(Advance advance) {
   double work = 0.0;
   for (const auto& level : levels_) work += level->work();
-  level_.count_parts(work);
+  level_.ledger().count_parts(work);
   if (advance == Advance::unfinished) return std::nullopt;
   Level& ended = *std::exchange(current_, nullptr);
   if (ended.record().solution.status == Status::interrupted) return Status::interrupted;

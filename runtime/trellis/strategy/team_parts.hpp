@@ -14,6 +14,7 @@
 #include <trellis/planner/planner.hpp>
 #include <trellis/planner/pruning.hpp>
 #include <trellis/scene/scene.hpp>
+#include <trellis/strategy/dividing_planner.hpp>
 #include <trellis/strategy/team_search.hpp>
 
 namespace trellis {
@@ -29,7 +30,7 @@ Configuration picked(View q, const std::vector<std::size_t>& columns);
 
 /// Solves the instance of a team by instances of its robots, one after another. Each step searches a part of them for a
 /// while.
-class TeamPartsSearch : public Planner {
+class TeamPartsSearch : public DividingPlanner {
  public:
   explicit TeamPartsSearch(TeamSearchContext of);
 
@@ -38,6 +39,8 @@ class TeamPartsSearch : public Planner {
   Plan plan() final { return {.proposal = false}; }
   Outcome extend(View) final { throw Fault("a search of the parts of a team draws no proposal"); }
   [[nodiscard]] Solution solution(Status status) override;
+  [[nodiscard]] Part part() final;
+  std::optional<Status> take(Advance advance) final;
 
  protected:
   /// Forgets the parts of this try.
@@ -58,8 +61,8 @@ class TeamPartsSearch : public Planner {
                     const std::vector<std::size_t>& robots);
   /// Guides the search of so many robots that has begun, where the guide applies.
   void guide_part(std::size_t robots);
-  /// Continues the search of a part.
-  std::optional<Status> advance_part();
+  /// Continues the search of a part in this step.
+  void advance_part() { advances_ = true; }
   /// Whether the path of a part is certified. What touches another robot between two checked configurations leads
   /// nowhere: the same search begins again, and then certifies each of its motions.
   bool accepts(Level& ended, const Configurations& path);
@@ -89,6 +92,7 @@ class TeamPartsSearch : public Planner {
   std::vector<TeamMember> members_;
   std::vector<std::unique_ptr<Level>> levels_;             ///< of all searches; their records are taken after the run
   Level* current_ = nullptr;                               ///< the search that has not ended
+  bool advances_ = false;                                  ///< this step continues it
   std::map<std::size_t, std::size_t> searches_;            ///< so far, by the number of their robots
   std::size_t next_number_ = members_.size() + 1;          ///< of a search of several robots
   double effort_ = static_cast<double>(division_.effort);  ///< proposals of a search

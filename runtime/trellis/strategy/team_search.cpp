@@ -25,7 +25,7 @@ class TeamSearch final : public GroupsSearch<TeamSpace, Group> {
 
   std::optional<Status> work() override {
     if (!pruning_) return GroupsSearch::work();
-    if (auto path = prune()) take(std::move(*path));
+    if (auto path = prune()) keep(std::move(*path));
     return found_ ? std::optional(Status::solved) : std::nullopt;
   }
 
@@ -144,7 +144,7 @@ class TeamSearch final : public GroupsSearch<TeamSpace, Group> {
   }
 
   /// Takes a path that a search found, of the robots of its space.
-  void take(Configurations path) {
+  void keep(Configurations path) {
     const bool all = path.dimension() == context_.instance.space.dimension();
     const auto next = next_group();
     if (next != groups_.end() && next->robots.size() > 1) {
