@@ -12,7 +12,7 @@ namespace trellis {
 /// proposals and checks are those of the unguided strategy. It runs beside the guided search.
 class Companion {
  public:
-  Companion(const StrategySpec& strategy, const Problem& problem, const Run& beside)
+  Companion(const StrategySpec& strategy, const Problem& problem, Run& beside)
       : search_(begun(run_, beside), StrategySpec(undivided(strategy.planner())), problem) {}
 
   /// Takes steps until both parts of its cost reach those of `cost`, or until it ends.
@@ -26,27 +26,26 @@ class Companion {
     account_ = run_.clock.switch_to(nullptr);
     clock.switch_to(guided);
   }
-  [[nodiscard]] RunCost cost() const { return run_.cost(); }
+  [[nodiscard]] RunCost cost() const { return run_.ledger.cost(); }
   [[nodiscard]] RootSearch& search() { return search_; }
   [[nodiscard]] Run& run() { return run_; }
 
  private:
   [[nodiscard]] bool has_reached(const RunCost& cost) const {
-    const RunCost own = run_.cost();
+    const RunCost own = run_.ledger.cost();
     return own.checks >= cost.checks && own.work >= cost.work;
   }
   static PlannerSpec undivided(const PlannerSpec& planner) {
     return planner.dividing() != nullptr ? undivided(planner.undivided()) : planner;
   }
-  static Run& begun(Run& run, const Run& beside) {
+  static Run& begun(Run& run, Run& beside) {
     run.problem = beside.problem;
     run.seed = beside.seed;
     run.seeded = true;
     run.densities = beside.densities;
     run.helpers = beside.helpers;
     run.companion = true;
-    run.interrupted = beside.interrupted;
-    run.out_of_time = beside.out_of_time;
+    run.ledger.begin_beside(beside.ledger);
     run.watch = beside.watch;
     run.cpu_begin = beside.cpu_begin;
     return run;

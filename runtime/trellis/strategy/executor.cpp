@@ -66,46 +66,6 @@ std::string level_path(const LevelRecord& level, const std::function<const Level
 
 namespace {
 
-/// Whether a time has passed. Reads the clock at one of eight calls where those follow each other within microseconds:
-/// reading it takes 3 % of the time of an arm's steps.
-class Deadline {
- public:
-  explicit Deadline(double seconds) : seconds_(seconds) {}
-  /// \param elapsed  returns the seconds so far
-  template <class Elapsed>
-  bool passed(const Elapsed& elapsed) {
-    if (skipped_ > 0) {
-      --skipped_;
-      return false;
-    }
-    constexpr int every = 8;
-    constexpr double short_time = 1e-4;
-    const double now = elapsed();
-    if (now >= seconds_) return true;
-    if (now - last_ < short_time) skipped_ = every - 1;
-    last_ = now;
-    return false;
-  }
-
- private:
-  double seconds_;
-  double last_ = -1.0;
-  int skipped_ = 0;
-};
-
-/// Checks that the cost of a search is finite and has not decreased: otherwise bounded loss would hold by accident.
-/// \param step  difference to its cost before
-void check_growth(const RunCost& step, const RunCost& cost) {
-  // Sums of work are rounded.
-  constexpr double rounding = 1e-9;
-  const auto grows = [](double difference, double sum) {
-    return std::isfinite(sum) && difference >= -rounding * std::abs(sum);
-  };
-  if (grows(step.checks, cost.checks) && grows(step.work, cost.work)) return;
-  throw Fault(
-      fmt::format("a step of the guided search has cost {} checks and {} units of work", step.checks, step.work));
-}
-
 /// Restores what levels have counted, when it ends: the record of a run that continues may search a graph and lift
 /// configurations, which is no part of the run.
 class KeptCounts {
@@ -136,7 +96,7 @@ class Running {
     check(problem);
     check_depth(strategy);
     check_scale(strategy, problem);
-    begin_ = std::chrono::steady_clock::now();
+    run_.ledger.begin(options);
     run_.cpu_begin = thread_seconds();
     run_.lua_begin = lua_seconds();
     run_.lua_depth = lua_depth();
@@ -144,17 +104,11 @@ class Running {
     run_.seed = seed;
     run_.seeded = true;
     run_.densities = options.measured;
-    run_.interrupted = options.interrupted;
-    if (options.work_limit > 0.0 || options.check_limit > 0) {
-      run_.interrupted = [this] { return (options_.interrupted && options_.interrupted()) || reached(cost()); };
-    }
-    run_.watch = options.watch;
+    if (options.watch) run_.watch = &options.watch;
     if (options.threads > 1) run_.helpers = &helpers_.emplace(options.threads);
     root_.emplace(run_, strategy, problem);
     if (const double seconds = root_->level().common().budget.seconds; seconds < Budget::unlimited) {
-      run_.out_of_time = [this, deadline = Deadline(seconds)]() mutable {
-        return deadline.passed([this] { return elapsed(); });
-      };
+      run_.ledger.limit_time(seconds);
     }
     anytime_ = find_planner(strategy.planner().name())->component->find("improve") != nullptr;
     run_.clock.switch_to(&setup_);
@@ -162,39 +116,39 @@ class Running {
     if (strategy.guide() == nullptr) return;
     const PlannerCommon& common = root_->level().common();
     bound_ = options.companion ? common.bound : 0.0;
-    run_.queries = common.queries;
+    run_.ledger.share_set_up(common.queries);
     if (common.queries <= 1.0) own_set_ups_.emplace();
     const OwnSetUpsScope unshared(own_set_ups());
     guides_ = strategy.guide();
+    double estimated = 0.0;
     if (bound_ > 0.0) {
-      set_up_ = set_up_work(*guides_, *problem.scene, common.queries);
+      estimated = set_up_work(*guides_, *problem.scene, common.queries);
       root_->level().rely_on_companion();
       companion_.emplace(strategy, problem, run_);
       companion_->search().level().heuristic().report_paths(
           [this](double length) { note_improvement(companion_->run(), length); });
-      run_.before_step = [this] { return companion_ends_run(); };
-      run_.before_set_up = [this](double work) { return companion_ends_run_before(work); };
+      run_.ledger.rely_on(*companion_, bound_, estimated);
     }
-    if (companion_) make_monitor();
     // Otherwise the companion goes first.
-    if (set_up_ <= companion_constant.work) set_up();
+    if (estimated <= companion_constant.work) set_up();
   }
 
   /// Searches until a path is certified, or until no search is left.
   void search() {
     const OwnSetUpsScope unshared(own_set_ups());
-    if (!run_.ending && (guides_ == nullptr || is_set_up_ || set_up_after_companion())) {
-      const MonitorScope monitored(monitor());
+    RunLedger& ledger = run_.ledger;
+    const bool is_set_up = guides_ == nullptr || ledger.guides_set_up();
+    if (!ledger.ending() && (is_set_up || (ledger.companion_goes_first() && set_up()))) {
+      const MonitorScope monitored(ledger.monitor());
       while (!root_->ended()) root_->step();
     }
-    add_uncounted();
-    note_step(run_.cost());
-    if (companion_ && !root_->certified() && !run_interrupted()) {
+    ledger.end_search();
+    if (companion_ && !root_->certified() && !ledger.interrupted()) {
       // What the unguided planner finds, a guided run finds too.
       constexpr double all = std::numeric_limits<double>::infinity();
       companion_->keep_up({all, all}, run_.clock);
       companion_decides_ = root_->status() == Status::interrupted || companion_->search().certified();
-    } else if (run_.ending && companion_->search().certified()) {
+    } else if (ledger.ending() && companion_->search().certified()) {
       // Both have a path: an anytime planner improved its own.
       const Space& space = problem_.space;
       companion_decides_ = path_length(space, companion_->search().path()) <= path_length(space, root_->path());
@@ -219,13 +173,13 @@ class Running {
       record.validity_checks += level->instance().checks.validity;
       record.motion_checks += level->instance().checks.motion;
     }
-    record.work = cost().work;
-    if (is_set_up_) {
+    record.work = run_.ledger.total().work;
+    if (run_.ledger.guides_set_up()) {
       constexpr double all = std::numeric_limits<double>::infinity();
       record.set_up = set_up_work(*guides_, *problem_.scene, 1.0);
-      if (record.set_up > set_up_work(*guides_, *problem_.scene, all)) record.queries = run_.queries;
+      if (record.set_up > set_up_work(*guides_, *problem_.scene, all)) record.queries = run_.ledger.queries();
     }
-    record.set_up_seconds = set_up_seconds_;
+    record.set_up_seconds = run_.ledger.set_up_seconds();
     if (record.solved) add_path(record, decisive);
     for (RootSearch* search : searches()) {
       record.path_checks += search->check_path().checks();
@@ -276,10 +230,10 @@ class Running {
   void continued() {
     const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - stopped_at_).count();
     run_.clock.switch_to(account_);
-    run_.stopped += waited;
+    run_.ledger.wait(waited);
     if (!companion_) return;
     companion_->run().clock.switch_to(companion_account_);
-    companion_->run().stopped += waited;
+    companion_->run().ledger.wait(waited);
   }
 
  private:
@@ -288,7 +242,7 @@ class Running {
 
   /// Called by the thread of the run: its CPU time is that thread's.
   void note_times() {
-    seconds_ = elapsed();
+    seconds_ = run_.ledger.elapsed();
     cpu_seconds_ = thread_seconds() - run_.cpu_begin + (helpers_ ? helpers_->cpu_seconds() : 0.0);
     lua_seconds_ = lua_seconds() - run_.lua_begin;
     for (RootSearch* search : searches()) {
@@ -297,144 +251,17 @@ class Running {
     }
   }
 
-  /// Seconds since the beginning of the run, without those in which it waited.
-  [[nodiscard]] double elapsed() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() - run_.stopped;
-  }
-  /// Of all levels and the companion.
-  [[nodiscard]] RunCost cost() const { return companion_ ? run_.cost() + companion_->cost() : run_.cost(); }
-  /// Whether a cost reaches a limit of the run.
-  [[nodiscard]] bool reached(const RunCost& cost) const {
-    return (options_.work_limit > 0.0 && cost.work >= options_.work_limit) ||
-           (options_.check_limit > 0 && cost.checks >= static_cast<double>(options_.check_limit));
-  }
-  [[nodiscard]] bool run_interrupted() const { return run_.interrupted && run_.interrupted(); }
-
-  /// Makes the levels of the guides.
-  void set_up() {
-    allowed_ = {0.0, set_up_};
-    run_.estimated_set_up = set_up_;
-    const double before = elapsed();
-    const MonitorScope monitored(monitor());
-    try {
-      root_->level().guide_by(*guides_);
-      is_set_up_ = true;
-    } catch (const SearchEnded&) {
-      run_.abandons_levels = false;
-    }
-    run_.estimated_set_up = 0.0;
-    set_up_seconds_ = elapsed() - before;
-  }
-  /// Lets the companion do as much work as the set-up costs, then makes the levels of the guides. Returns whether it
-  /// did: not if the companion has ended before.
-  bool set_up_after_companion() {
-    companion_->keep_up(wanted({0.0, set_up_}), run_.clock);
-    const bool out_of_time = run_.out_of_time && run_.out_of_time();
-    if (run_interrupted() || out_of_time || companion_decides({0.0, set_up_})) return false;
-    set_up();
-    return is_set_up_;
-  }
-  /// The cost that the companion must have had before the guided search, which has cost so much, continues.
-  [[nodiscard]] RunCost wanted(const RunCost& guided) const {
-    const double share = 1.0 / (bound_ - 1.0);
-    return {share * (guided.checks - companion_constant.checks), share * (guided.work - companion_constant.work)};
-  }
-  /// Whether the companion has ended, and with a path or before the guided search may continue.
-  [[nodiscard]] bool companion_decides(const RunCost& guided) {
-    const RootSearch& other = companion_->search();
-    if (!other.ended() || other.certified()) return other.ended();
-    const RunCost most = wanted(guided);
-    const RunCost done = companion_->cost();
-    return most.checks > done.checks || most.work > done.work;
-  }
-
-  /// Lets the companion catch up with the guided search, as if that had spent `more` already. Returns whether the run
-  /// ends.
-  /// \param guided  cost of the guided search
-  bool companion_ends_run_before(const RunCost& more, const RunCost& guided) {
-    if (run_.ending) return true;
-    const RunCost most = guided + more;
-    companion_->keep_up(wanted(most), run_.clock);
-    run_.ending = companion_decides(most);
-    if (!run_.ending) {
-      note_step(guided);
-      allowed_ = most;
-    } else if (monitor_) {
-      // Where levels still spend something while they end, SearchEnded ends them.
-      monitor_->end();
-    }
-    return run_.ending;
-  }
-  /// Called before each step of the guided search. Returns whether the run ends.
-  bool companion_ends_run() {
-    if (run_.ending) return true;
-    const RunCost uncounted = begin_slice();
-    return companion_ends_run_before(uncounted, slice_begun_);
-  }
-  /// Called before a further set-up, which is no part of a step. Returns whether the run ends.
-  bool companion_ends_run_before(double set_up) {
-    const RunCost guided = run_.cost();
-    return companion_ends_run_before(announced_only(guided) + RunCost{0.0, set_up}, guided);
-  }
-
-  void make_monitor() {
-    const CheckCost& check = root_->level().instance().validity->cost();
-    monitor_.emplace(SliceMonitor::CheckRates{check.on_motion, check.alone},
-                     search_cost::proposal + search_cost::guided_proposal,
-                     [this](const Spending& next) { return ask(next); });
-  }
-  [[nodiscard]] SliceMonitor* monitor() { return monitor_ ? &*monitor_ : nullptr; }
-  /// Returns what was announced and not counted yet.
-  RunCost begin_slice() {
-    const RunCost guided = run_.cost();
-    const RunCost uncounted = monitor_ ? announced_only(guided) : RunCost{};
-    slice_begun_ = guided;
-    unannounced_ = run_.unannounced_set_up;
-    if (monitor_) monitor_->begin({uncounted.checks, uncounted.work});
-    return uncounted;
-  }
-  /// Called within a step, before the guided search spends more than a slice (SliceMonitor::Ask).
-  bool ask(const Spending& next) {
-    // An exception would pass through the script.
-    if (lua_depth() > run_.lua_depth) return false;
-    const RunCost guided = run_.cost();
-    const RunCost uncounted = announced_only(guided);
-    RunCost more = uncounted + RunCost{std::max(0.0, next.checks - largest_slice.checks),
-                                       std::max(0.0, next.work - largest_slice.work)};
-    // All of the set-up was estimated before it began.
-    if (!is_set_up_) more.work += std::max(0.0, set_up_ - run_.set_up);
-    // The run is stopped between two proposals, of which the companion may have drawn the last one.
-    if (!companion_ends_run_before(more, guided) && !run_interrupted()) return true;
-    monitor_->end();
-    uncounted_ = uncounted;
-    run_.abandons_levels = true;
-    // The account may belong to what ends now.
-    run_.clock.switch_to(nullptr);
-    throw SearchEnded{};
-  }
-  /// What the guided search has announced and not counted: a guide may count its checks after several of them.
-  /// \param guided  its cost so far
-  [[nodiscard]] RunCost announced_only(const RunCost& guided) const {
-    const RunCost counted = guided - slice_begun_;
-    const double set_up = run_.unannounced_set_up - unannounced_;
-    return {std::max(0.0, monitor_->announced().checks - counted.checks),
-            std::max(0.0, monitor_->announced().work - (counted.work - set_up))};
-  }
-  /// Adds what the search had spent and not counted when it was ended within a step.
-  void add_uncounted() {
-    Checks& checks = root_->level().instance().checks;
-    checks.validity += static_cast<std::uint64_t>(uncounted_.checks);
-    checks.other += uncounted_.work;
-    uncounted_ = {};
-  }
-
-  /// Notes what the guided search has spent beyond what the companion allows.
-  /// \param guided  cost of the guided search
-  void note_step(const RunCost& guided) {
-    check_growth(guided - guided_before_, guided);
-    guided_before_ = guided;
-    const RunCost step = guided - allowed_;
-    largest_step_ = {std::max(largest_step_.checks, step.checks), std::max(largest_step_.work, step.work)};
+  /// Makes the levels of the guides. Returns whether that ended.
+  bool set_up() {
+    return run_.ledger.set_up([this] {
+      try {
+        root_->level().guide_by(*guides_);
+      } catch (const SearchEnded&) {
+        run_.abandons_levels = false;
+        return false;
+      }
+      return true;
+    });
   }
 
   std::vector<RootSearch*> searches() {
@@ -481,11 +308,11 @@ class Running {
   void add_companion(RunRecord& record) {
     record.bounded = {.bound = bound_,
                       .constant = companion_constant,
-                      .largest_step = largest_step_,
-                      .guided = run_.cost(),
+                      .largest_step = run_.ledger.largest_step(),
+                      .guided = run_.ledger.cost(),
                       .unguided = companion_->cost(),
-                      .set_up = is_set_up_ ? run_.set_up : set_up_,
-                      .guides_set_up = is_set_up_,
+                      .set_up = run_.ledger.set_up_work(),
+                      .guides_set_up = run_.ledger.guides_set_up(),
                       .unguided_won = companion_decides_ && record.solved,
                       .unguided_proposals = companion_->search().level().record().search.proposals.size()};
     const Search& own = root_->level().record().search;
@@ -527,26 +354,15 @@ class Running {
 
   const Problem& problem_;
   const ExecuteOptions& options_;
-  std::chrono::steady_clock::time_point begin_;
   std::optional<HelperThreads> helpers_;
   std::optional<OwnSetUps> own_set_ups_;  ///< of a run that is the only one in its world
   Run run_;
   double setup_ = 0.0;
-  double set_up_seconds_ = 0.0;
   bool anytime_ = false;  ///< the root's planner continues after its first path
   double bound_ = 0.0;
   const GuideSpec* guides_ = nullptr;
-  double set_up_ = 0.0;  ///< estimated work of the set-up
-  bool is_set_up_ = false;
   std::optional<RootSearch> root_;
   std::optional<Companion> companion_;
-  std::optional<SliceMonitor> monitor_;  ///< of the guided search, beside a companion
-  RunCost guided_before_;                ///< of the guided search when it was noted last
-  RunCost allowed_;                      ///< cost of the guided search that the companion has kept up with
-  RunCost slice_begun_;                  ///< cost of the guided search when the monitor began a slice
-  double unannounced_ = 0.0;             ///< run_.unannounced_set_up then
-  RunCost uncounted_;                    ///< of the guided search when it was ended within a step
-  RunCost largest_step_;
   bool companion_decides_ = false;
   bool ended_ = false;
   double seconds_ = 0.0;

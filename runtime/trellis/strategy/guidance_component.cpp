@@ -316,7 +316,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic>, pu
   /// Applies f to the current instance.
   std::unique_ptr<Instance> apply() {
     projected_ = parent_.instance().scene;
-    if (!level_) run_.count_set_up(spec_, *projected_);
+    if (!level_) run_.ledger.count_set_up(spec_, *projected_);
     again_ = false;
     if (!known_) return marked(located([&] { return guide_->project(parent_.instance()); }));
     known_->paths.clear();
@@ -337,7 +337,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic>, pu
   }
   /// Returns false, without applying f, where the run ends before.
   bool project_again() {
-    if (!run_.count_further_set_up(spec_, *parent_.instance().scene)) return false;
+    if (!run_.ledger.count_further_set_up(spec_, *parent_.instance().scene)) return false;
     auto sub = apply();
     if (known_ && sub->space != level_->instance().space) {
       located([&] {

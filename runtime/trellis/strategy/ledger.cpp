@@ -45,7 +45,7 @@ Budget Ledger::begin(const Grant& grant) {
   Budget budget = common_.budget;
   whole_ = std::min(budget.proposals, *solve_begun_ + grant.solve);
   budget.proposals = sliced_ = std::min(whole_, drawn + grant.slice.proposals);
-  budget_.emplace(instance_, search_, budget, &run_.stopped);
+  budget_.emplace(instance_, search_, budget, &run_.ledger.waited());
   return budget;
 }
 
@@ -70,19 +70,20 @@ double Ledger::limit_work(double limit) { return std::exchange(work_limit_, limi
 
 std::optional<Status> Ledger::stop(bool draws) {
   if (budget_->reached(draws)) return Status::budget_spent;
-  if (run_.interrupted && run_.interrupted()) return Status::interrupted;
-  if (run_.before_step && run_.before_step()) return Status::interrupted;
-  if (run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
-  searches_ = run_.searches;
+  RunLedger& run = run_.ledger;
+  if (run.interrupted() || run.companion_ends_run()) return Status::interrupted;
+  if (run.out_of_time()) return Status::budget_spent;
+  searches_ = run.searches();
   worked_ = own_work();
   return std::nullopt;
 }
 
 std::optional<Status> Ledger::stop_after_search() {
-  const bool searched = run_.searches != searches_ || own_work() != worked_;
-  if (searched && run_.before_step && run_.before_step()) return Status::interrupted;
-  if (run_.interrupted && run_.interrupted()) return Status::interrupted;
-  if (searched && run_.out_of_time && run_.out_of_time()) return Status::budget_spent;
+  RunLedger& run = run_.ledger;
+  const bool searched = run.searches() != searches_ || own_work() != worked_;
+  if (searched && run.companion_ends_run()) return Status::interrupted;
+  if (run.interrupted()) return Status::interrupted;
+  if (searched && run.out_of_time()) return Status::budget_spent;
   const bool pauses = work_limit_ < Budget::unlimited && work() >= work_limit_;
   return pauses ? std::optional(Status::paused) : std::nullopt;
 }
@@ -117,7 +118,9 @@ Slice Ledger::slice() const {
   return slice;
 }
 
-bool Ledger::goes_on(Advance ready) const { return has_companion_ && ready == Advance::unfinished && !run_.ending; }
+bool Ledger::goes_on(Advance ready) const {
+  return has_companion_ && ready == Advance::unfinished && !run_.ledger.ending();
+}
 
 void Ledger::close(Advance ready) {
   // A permanently refuted guide draws no more proposals.

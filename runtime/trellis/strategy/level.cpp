@@ -2,82 +2,15 @@
 #include <trellis/strategy/level.hpp>
 
 #include <algorithm>
-#include <ctime>
 #include <memory>
 #include <utility>
 
 #include <trellis/base/slice_monitor.hpp>
-#include <trellis/guide/set_up.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
 #include <trellis/strategy/team_search.hpp>
 
 namespace trellis {
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  constexpr double nanosecond = 1e-9;
-  return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
-}
-
-RunCost Run::cost() const {
-  RunCost sum{0.0, set_up};
-  for (Level* level : levels) sum = sum + level->ledger().cost();
-  return sum;
-}
-
-namespace {
-
-SetUp set_up_of(const GuideSpec& guide, const Scene& scene) {
-  return guide.custom() ? set_up_of_custom() : set_up_of(guide.name(), guide.options(), scene);
-}
-
-}  // namespace
-
-void Run::count_set_up(const GuideSpec& guide, const Scene& scene) {
-  const SetUp work = set_up_of(guide, scene);
-  const bool first = work.world > 0.0 && prepared_.emplace(guide.name(), scene.world_identity()).second;
-  const double of_world = first ? work.world / queries : 0.0;
-  count_set_up(work.run + of_world);
-}
-
-void Run::count_set_up(double work) {
-  // A guide that is set up in the world of another one, with other obstacles, may cost more than was estimated.
-  const double more = std::max(0.0, set_up + work - std::max(set_up, estimated_set_up));
-  announce_work(more);
-  unannounced_set_up += work - more;
-  set_up += work;
-}
-
-void Run::end_searches() {
-  abandons_levels = false;
-  const MonitorScope unmonitored(nullptr);
-  // A level waits for those with higher numbers.
-  for (auto level = levels.rbegin(); level != levels.rend(); ++level) (*level)->leave();
-}
-
-void Run::abandon(Level& level) {
-  std::erase(levels, &level);
-  if (levels.empty()) return;
-  Checks& root = levels.front()->instance().checks;
-  root += level.instance().checks;
-  root.other += level.ledger().cost().work - level.instance().checks.work - level.instance().checks.other;
-}
-
-bool Run::count_further_set_up(const GuideSpec& guide, const Scene& scene) {
-  const SetUp work = set_up_of(guide, scene);
-  const auto world = std::pair(guide.name(), scene.world_identity());
-  if (work.world > 0.0 && !prepared_.contains(world)) {
-    if (before_set_up && before_set_up(work.run + work.world)) return false;
-    prepared_.insert(world);
-    set_up += work.run + work.world;
-    unannounced_set_up += work.run + work.world;
-  } else {
-    count_set_up(work.run);
-  }
-  return true;
-}
 
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
              const PlannerSpec& planner, std::shared_ptr<Guide> lift)
@@ -150,7 +83,7 @@ class Level::Active {
       : level_(level),
         charged_(level.run_.clock.switch_to(&level.record_.search.seconds)),
         asking_(std::exchange(level.run_.active_level, &level)) {
-    ++level.run_.searches;
+    level.run_.ledger.begin_search();
     if (asking_ != nullptr) asking_->pause();
     const bool limited = slice.work < Budget::unlimited;
     limit_ = level.ledger_.limit_work(limited ? level.work() + slice.work : Budget::unlimited);
@@ -210,7 +143,7 @@ std::optional<Status> Level::search_below() {
 
 View Level::draw(const Plan& plan) {
   draw_proposal(h_, plan, planner_->stream(), record_.search, proposal_);
-  if (run_.watch) run_.watch(record_, h_);
+  if (run_.watch != nullptr) (*run_.watch)(record_, h_);
   lookahead_.drawn(proposal_);
   return proposal_;
 }

@@ -2,13 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
-#include <concepts>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,85 +18,10 @@
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/ledger.hpp>
 #include <trellis/strategy/level_heuristic.hpp>
+#include <trellis/strategy/run.hpp>
 #include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
-
-/// Charges wall-clock time to the running level. While it waits for a level below, only that level is charged.
-class Clock {
- public:
-  /// Switches to `account` and returns the previous account, to switch back to.
-  double* switch_to(double* account) {
-    const auto now = std::chrono::steady_clock::now();
-    if (account_ != nullptr) *account_ += std::chrono::duration<double>(now - since_).count();
-    since_ = now;
-    return std::exchange(account_, account);
-  }
-
- private:
-  double* account_ = nullptr;
-  std::chrono::steady_clock::time_point since_;
-};
-
-/// CPU time of the calling thread, seconds.
-double thread_seconds();
-
-/// State that all levels of one run share.
-struct Run {
-  std::string problem;  ///< name of the problem
-  std::uint64_t seed = 0;
-  bool seeded = false;               ///< false if the strategy is only checked, not run
-  bool densities = true;             ///< whether levels record the densities of their proposals
-  HelperThreads* helpers = nullptr;  ///< of the searches; nullptr: none
-  std::function<bool()> interrupted;
-  std::function<void(const LevelRecord&, const Guidance&)> watch;
-  Clock clock;
-  std::vector<Level*> levels;  ///< in order of their numbers
-  std::vector<Turn> turns;
-  Level* active_level = nullptr;
-  std::uint64_t searches = 0;             ///< slices of searches of levels below others, begun
-  int first_solves = 0;                   ///< number of levels whose first solve has ended
-  double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
-  double lua_begin = 0.0;                 ///< lua_seconds() of the thread at the beginning of the run
-  unsigned lua_depth = 0;                 ///< lua_depth() of the thread at the beginning of the run
-  double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
-  std::vector<Improvement> improvements;  ///< of the root's path
-  std::vector<TeamConflict> conflicts;
-  bool refuted = false;  ///< its last path was refuted, and no other one is known yet
-  RunShared shared;
-  bool companion = false;  ///< it runs beside another run: its levels have the number -1
-  double queries = 1.0;    ///< runs that share what is set up for the world
-  double set_up = 0.0;     ///< work of setting up guides
-  /// Called before each step of each level. Returns whether the run ends.
-  std::function<bool()> before_step;
-  bool ending = false;  ///< the planner beside the guided search has ended the run
-  /// Called before a further set-up of so much work. Returns whether the run ends.
-  std::function<bool(double work)> before_set_up;
-  double estimated_set_up = 0.0;    ///< the caller has announced `set_up` up to this value
-  double unannounced_set_up = 0.0;  ///< part of `set_up` that was not announced when it was counted
-  bool abandons_levels = false;     ///< a level that ends now was not completed
-  /// Ends the searches of all levels, after SearchEnded was thrown through them.
-  void end_searches();
-  /// Removes a level that was not completed. The root counts its checks from now on.
-  void abandon(Level& level);
-  /// Whether the time of the run is over, by the root's budget of seconds. Empty without such a budget.
-  std::function<bool()> out_of_time;
-
-  /// Counts the set-up of a guide's space. What depends on the world alone counts once in a run, with one part in
-  /// `queries`.
-  void count_set_up(const GuideSpec& guide, const Scene& scene);
-  /// The same where f is applied again. What depends on a world that changed during this run counts with all of it: no
-  /// other run asks it. Returns false, and counts nothing, where the run ends before.
-  bool count_further_set_up(const GuideSpec& guide, const Scene& scene);
-  /// Of all levels.
-  [[nodiscard]] RunCost cost() const;
-
- private:
-  /// Counts set-up work, and announces it as far as the caller has not announced it.
-  void count_set_up(double work);
-
-  std::set<std::pair<std::string, std::shared_ptr<const void>>> prepared_;  ///< guides and their worlds
-};
 
 /// Completes the record of a proposal whose result is not known: SearchEnded has left its step.
 /// \param driven  the planner has a motion model
@@ -218,7 +139,7 @@ class Level {
   /// Whether an interrupted search of an anytime planner is solved by the path that it has: not in a run that is
   /// interrupted, which ends the planner beside the search too.
   [[nodiscard]] bool keeps_path() const {
-    return run_.ending && parent_ == nullptr && !(run_.interrupted && run_.interrupted());
+    return run_.ledger.ending() && parent_ == nullptr && !run_.ledger.interrupted();
   }
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
   /// Ends this level's turn while a level below is solved.

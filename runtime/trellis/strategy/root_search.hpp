@@ -104,7 +104,7 @@ class RootSearch {
     try {
       take_step();
     } catch (const SearchEnded&) {
-      run_.end_searches();
+      run_.leave_searches();
       if (root_.found()) return decide();
       status_ = Status::interrupted;
       certified_ = false;
@@ -142,8 +142,8 @@ class RootSearch {
     const auto place = problem_.motion_model ? check_path_.refuted(path_) : check_path_.divide_and_refute(path_);
     certified_ = !place;
     constexpr std::uint64_t most_refuted = 1000;
-    if (certified_ || ++refuted_paths_ >= most_refuted || run_.ending) {
-      if (!certified_) status_ = run_.ending ? Status::interrupted : Status::budget_spent;
+    if (certified_ || ++refuted_paths_ >= most_refuted || run_.ledger.ending()) {
+      if (!certified_) status_ = run_.ledger.ending() ? Status::interrupted : Status::budget_spent;
       end();
       return;
     }

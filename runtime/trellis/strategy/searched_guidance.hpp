@@ -48,7 +48,7 @@ class GuideSearch {
   GuideSearch& operator=(const GuideSearch&) = delete;
   virtual ~GuideSearch() = default;
 
-  /// Applies f where the instance in S is out of date, and tells the level below what was learnt in C.
+  /// Applies f where the instance in S is out of date, and reports to the level below what was learnt in C.
   /// \return whether the level below is searched now: not where the slice is spent, or the run ends
   virtual bool project() = 0;
   /// The level of S.
