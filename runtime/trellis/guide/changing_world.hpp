@@ -7,38 +7,32 @@
 #include <optional>
 #include <utility>
 
-#include <trellis/instance/instance.hpp>
+#include <trellis/instance/forwarding_validity.hpp>
 
 namespace trellis {
 
 /// The instance's robot in a replaceable world. Makes collision checks even if the parent presumes validity.
-class ChangingWorld final : public Validity {
+class ChangingWorld final : public ForwardingValidity<> {
  public:
-  ChangingWorld(Instance parent, std::shared_ptr<const Scene> scene) : parent_(std::move(parent)) {
+  ChangingWorld(Instance parent, std::shared_ptr<const Scene> scene)
+      : ForwardingValidity(nullptr), parent_(std::move(parent)) {
     set(std::move(scene));
   }
 
   void set(std::shared_ptr<const Scene> scene) {
     scene_ = std::move(scene);
-    validity_ = parent_.validity_in(scene_);
+    inner_ = parent_.validity_in(scene_);
     ++epoch_;
   }
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
 
-  [[nodiscard]] bool state(View q) override { return validity_->state(q); }
-  [[nodiscard]] MotionReport motion(View a, View b) override { return validity_->motion(a, b); }
-  [[nodiscard]] const CheckCost& cost() const override { return validity_->cost(); }
-  [[nodiscard]] double clearance(View q) override { return validity_->clearance(q); }
-  /// The contact of the robot with this world.
-  [[nodiscard]] std::optional<Contact> contact(View q) override { return validity_->contact(q); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return validity_->nearest_obstacle(q); }
-  [[nodiscard]] double invalid_radius(View q) override { return validity_->invalid_radius(q); }
+  [[nodiscard]] bool state(View q) override { return inner_->state(q); }
+  [[nodiscard]] MotionReport motion(View a, View b) override { return inner_->motion(a, b); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
 
  private:
   Instance parent_;
   std::shared_ptr<const Scene> scene_;
-  std::shared_ptr<Validity> validity_;
   std::uint64_t epoch_ = 0;
 };
 

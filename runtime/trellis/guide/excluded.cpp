@@ -148,7 +148,7 @@ bool Places::near(View a, View b) {
 
 ExcludingValidity::ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius,
                                      std::vector<std::size_t> position_axes, double place_radius)
-    : inner_(std::move(inner)),
+    : ForwardingValidity(std::move(inner)),
       space_(space),
       balls_(space, radius),
       places_(space, std::move(position_axes), place_radius),

@@ -10,7 +10,7 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
-#include <trellis/instance/instance.hpp>
+#include <trellis/instance/forwarding_validity.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/space/space.hpp>
 
@@ -82,7 +82,7 @@ class Places {
 
 /// A validity that excludes balls: about earlier paths, while a search looks for a distinct one, and about refuted
 /// places.
-class ExcludingValidity final : public EvaluatedValidity {
+class ExcludingValidity final : public ForwardingValidity<EvaluatedValidity> {
  public:
   /// \param radius  of the balls about a path, in metres in the metric
   /// \param position_axes  axes of the reference point's position; empty: places are balls of configurations
@@ -117,20 +117,12 @@ class ExcludingValidity final : public EvaluatedValidity {
   [[nodiscard]] MotionReport motion(View a, View b) override;
   /// Only exclusions can have made the motion invalid, unless the inner validity changed too.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override;
-  [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
-  [[nodiscard]] const CheckCost& cost() const override { return inner_->cost(); }
-  [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
-  [[nodiscard]] std::shared_ptr<Validity> checking() const override { return trellis::checking(inner_); }
-  [[nodiscard]] double effort_factor(View a, View b) const override { return inner_->effort_factor(a, b); }
-  [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return inner_->nearest_obstacle(q); }
   [[nodiscard]] double invalid_radius(View q) override { return std::max(balls_.depth(q), inner_->invalid_radius(q)); }
   [[nodiscard]] std::uint64_t epoch() const override { return changed_.size() + inner_->epoch(); }
   [[nodiscard]] std::optional<double> excluded(View a, View b) override {
     const auto at = entered(a, b);
     return at ? at : inner_->excluded(a, b);
   }
-  void expect_guided(bool guided) override { inner_->expect_guided(guided); }
   [[nodiscard]] EdgeEvaluator* evaluator() override {
     auto* evaluated = dynamic_cast<EvaluatedValidity*>(inner_.get());
     return evaluated != nullptr ? evaluated->evaluator() : nullptr;
@@ -141,7 +133,6 @@ class ExcludingValidity final : public EvaluatedValidity {
   /// Notes a change of the exclusions.
   void changed();
 
-  std::shared_ptr<Validity> inner_;
   Space space_;
   ExcludedBalls balls_;
   Places places_;

@@ -171,7 +171,7 @@ double RangedProjection::log_fibre_density(View q) const {
 }
 
 bool RangedValidity::state(View s) {
-  if (!own_->state(s)) return false;
+  if (!inner_->state(s)) return false;
   const Instance::Announced before = counted_ != nullptr ? counted_->open_checks() : Instance::Announced{};
   const bool open = ranges_->open(s);
   if (counted_ != nullptr) counted_->count_alone(before, ranges_->take_checks());
@@ -179,7 +179,7 @@ bool RangedValidity::state(View s) {
 }
 
 MotionReport RangedValidity::motion(View a, View b) {
-  MotionReport report = own_->motion(a, b);
+  MotionReport report = inner_->motion(a, b);
   if (!report.valid) return report;
   const Space& space = ranges_->kept().space();
   Configuration at(a.size());

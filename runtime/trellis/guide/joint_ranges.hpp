@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <trellis/guide/axis_projection.hpp>
+#include <trellis/instance/forwarding_validity.hpp>
 #include <trellis/instance/instance.hpp>
 
 namespace trellis {
@@ -96,24 +97,18 @@ class RangedProjection final : public Projection {
 };
 
 /// Validity in S that also requires a free range of the first dropped joint, in every slice that a motion crosses.
-class RangedValidity final : public Validity {
+class RangedValidity final : public ForwardingValidity<> {
  public:
   RangedValidity(std::shared_ptr<Validity> own, std::shared_ptr<JointRanges> ranges)
-      : own_(std::move(own)), ranges_(std::move(ranges)) {}
+      : ForwardingValidity(std::move(own)), ranges_(std::move(ranges)) {}
 
   /// Sets the counter for checks of single configurations.
   void count_in(Instance& instance) { counted_ = &instance; }
 
   [[nodiscard]] bool state(View s) override;
   [[nodiscard]] MotionReport motion(View a, View b) override;
-  [[nodiscard]] const CheckCost& cost() const override { return own_->cost(); }
-  [[nodiscard]] double clearance(View s) override { return own_->clearance(s); }
-  [[nodiscard]] std::optional<Contact> contact(View s) override { return own_->contact(s); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return own_->nearest_obstacle(s); }
-  [[nodiscard]] double invalid_radius(View s) override { return own_->invalid_radius(s); }
 
  private:
-  std::shared_ptr<Validity> own_;
   std::shared_ptr<JointRanges> ranges_;
   Instance* counted_ = nullptr;
 };

@@ -15,6 +15,7 @@
 #include <trellis/collision/checker.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
+#include <trellis/instance/forwarding_validity.hpp>
 
 namespace trellis {
 
@@ -22,23 +23,17 @@ namespace {
 
 /// Validity of positions within an arm's reach. Its world represents the unreachable part by obstacles with straight
 /// sides; this class excludes the gap between these and the circle.
-class ReachableValidity final : public Validity {
+class ReachableValidity final : public ForwardingValidity<> {
  public:
   ReachableValidity(std::shared_ptr<Validity> positions, std::shared_ptr<const TipProjection> arm)
-      : positions_(std::move(positions)), arm_(std::move(arm)) {}
-  [[nodiscard]] bool state(View s) override { return arm_->reaches(s) && positions_->state(s); }
+      : ForwardingValidity(std::move(positions)), arm_(std::move(arm)) {}
+  [[nodiscard]] bool state(View s) override { return arm_->reaches(s) && inner_->state(s); }
   [[nodiscard]] MotionReport motion(View a, View b) override {
     if (!arm_->reaches(b)) return {false, 1, 1.0};
-    return positions_->motion(a, b);
+    return inner_->motion(a, b);
   }
-  [[nodiscard]] const CheckCost& cost() const override { return positions_->cost(); }
-  [[nodiscard]] double clearance(View s) override { return positions_->clearance(s); }
-  [[nodiscard]] std::optional<Contact> contact(View s) override { return positions_->contact(s); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View s) override { return positions_->nearest_obstacle(s); }
-  [[nodiscard]] double invalid_radius(View s) override { return positions_->invalid_radius(s); }
 
  private:
-  std::shared_ptr<Validity> positions_;
   std::shared_ptr<const TipProjection> arm_;
 };
 

@@ -8,9 +8,9 @@ MotionReport RelaxedValidity::motion(View a, View b) {
   constexpr double least_success = 0.6;
   constexpr double memory = 0.5;
   constexpr int every = 8;
-  if (!guided_) return own_->motion(a, b);
+  if (!guided_) return inner_->motion(a, b);
   if (valid_in_c(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
-  if (success_ < least_success && ++passed_over_ < every) return own_->motion(a, b);
+  if (success_ < least_success && ++passed_over_ < every) return inner_->motion(a, b);
   passed_over_ = 0;
   // A motion check presumes a valid first configuration, which is known for S only.
   MotionReport in_c;
@@ -28,7 +28,7 @@ MotionReport RelaxedValidity::motion(View a, View b) {
     valid_.insert(motion_digest(a, b));
     return in_c;
   }
-  MotionReport report = own_->motion(a, b);
+  MotionReport report = inner_->motion(a, b);
   report.checks += in_c.checks;
   return report;
 }

@@ -4,17 +4,17 @@
 #include <memory>
 #include <utility>
 
-#include <trellis/instance/instance.hpp>
+#include <trellis/instance/forwarding_validity.hpp>
 
 namespace trellis {
 
 /// A validity whose motions are certified one by one (Certificate), for worlds in which the resolution is too coarse:
 /// no obstacle is thin enough to pass between two configurations.
-class CertifiedValidity final : public Validity {
+class CertifiedValidity final : public ForwardingValidity<> {
  public:
   /// \param tolerance  metres, see Certificate::tolerance
   CertifiedValidity(std::shared_ptr<Validity> inner, double tolerance)
-      : inner_(std::move(inner)), tolerance_(tolerance) {}
+      : ForwardingValidity(std::move(inner)), tolerance_(tolerance) {}
 
   [[nodiscard]] bool state(View q) override { return inner_->state(q); }
   /// The configurations that the certificate needs count as checks.
@@ -29,17 +29,8 @@ class CertifiedValidity final : public Validity {
     return {false, report.checks, *certificate.refuted_at};
   }
   void certify(View a, View b, Certificate& certificate) override { inner_->certify(a, b, certificate); }
-  [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
-  [[nodiscard]] const CheckCost& cost() const override { return inner_->cost(); }
-  [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
-  [[nodiscard]] bool needed(View q) override { return inner_->needed(q); }
-  [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) override { return inner_->nearest_obstacle(q); }
-  [[nodiscard]] std::uint64_t epoch() const override { return inner_->epoch(); }
-  [[nodiscard]] double invalid_radius(View q) override { return inner_->invalid_radius(q); }
 
  private:
-  std::shared_ptr<Validity> inner_;
   double tolerance_;
 };
 

@@ -81,7 +81,7 @@ class Ledger {
   [[nodiscard]] bool asks_guide();
   /// What the levels below may spend before they pause.
   [[nodiscard]] Slice slice() const;
-  /// Whether h goes on to search though a search below has not ended: beside a companion, which draws the planner's own
+  /// Whether h continues to search though a search below has not ended: beside a companion, which draws the planner's own
   /// proposals.
   [[nodiscard]] bool goes_on(Advance ready) const;
   /// Decides whether the guide draws this proposal.

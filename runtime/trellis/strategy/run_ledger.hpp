@@ -88,7 +88,7 @@ class RunLedger {
   void wait(double seconds) { waited_ += seconds; }
   [[nodiscard]] const double& waited() const { return waited_; }
 
-  /// Called when the search of a level below another one begins or goes on.
+  /// Called when the search of a level below another one begins or continues.
   void begin_search() { ++searches_; }
   [[nodiscard]] std::uint64_t searches() const { return searches_; }
 
