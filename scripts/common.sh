@@ -38,9 +38,9 @@ build_jobs() {
 }
 
 # Follows a command's output: keeps it in a log, and after three seconds shows on stderr how far it is, on one line of a
-# terminal, or elsewhere as a line each half minute.
+# terminal, or elsewhere as a line each half minute. The time left assumes that the other steps take as long as those done.
 follow() {
-  local what=$1 log=$2 started=$EPOCHSECONDS shown=0 partial='' line step='' status text
+  local what=$1 log=$2 started=$EPOCHSECONDS shown=0 partial='' line step='' finished=0 steps=0 left status text
   exec 8>"$log"
   while true; do
     status=0
@@ -48,14 +48,22 @@ follow() {
     partial+=$line
     if ((status == 0)); then
       printf '%s\n' "$partial" >&8
-      [[ $partial =~ ^\[([0-9]+/[0-9]+)\]\  ]] && step=" ${BASH_REMATCH[1]}"
+      if [[ $partial =~ ^\[([0-9]+)/([0-9]+)\]\  ]]; then
+        finished=${BASH_REMATCH[1]} steps=${BASH_REMATCH[2]} step=" $finished/$steps"
+      fi
       partial=''
     elif ((status <= 128)); then
       break
     fi
     local elapsed=$((EPOCHSECONDS - started))
     ((elapsed >= 3)) || continue
-    printf -v text '%s%s (%d:%02d)' "$what" "$step" "$((elapsed / 60))" "$((elapsed % 60))"
+    # The first steps are too few to tell.
+    left=''
+    if ((10 * finished >= steps && finished > 0)); then
+      left=$((elapsed * (steps - finished) / finished))
+      printf -v left ', about %d:%02d left' "$((left / 60))" "$((left % 60))"
+    fi
+    printf -v text '%s%s (%d:%02d%s)' "$what" "$step" "$((elapsed / 60))" "$((elapsed % 60))" "$left"
     if [[ -t 2 ]]; then
       printf '\r\033[K%s' "$text" >&2
       shown=1
