@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 namespace trellis {
@@ -21,5 +22,10 @@ class PollScope {
 
 /// Calls the function of this thread's PollScope, if there is one. For loops whose rounds cost a microsecond or more.
 void poll();
+
+/// The same in each 16th round, for loops whose rounds cost less than that.
+inline void poll(std::size_t round) {
+  if (round % 16 == 0) poll();
+}
 
 }  // namespace trellis

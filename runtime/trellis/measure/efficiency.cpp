@@ -72,7 +72,7 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   double expected = 0.0;
   double hits = 0.0;
   for (std::size_t i = 0; i < evaluation.points; ++i) {
-    poll();
+    poll(i);
     double nearest = evaluation.neighbours[i * measure::Evaluation::neighbour_count];
     if (nearest > square && atoms.size() > 0) {
       double atom = 0.0;
@@ -117,7 +117,7 @@ std::vector<char> unreachable_points(const Target& target, SampleSupport support
   if (support != SampleSupport::valid_only || !target.holds_invalid()) return unreachable;
   unreachable.reserve(target.pool().size());
   for (std::size_t i = 0; i < target.pool().size(); ++i) {
-    poll();
+    poll(i);
     unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
   }
   return unreachable;
@@ -216,7 +216,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
       result.along,
       scoring.pool > 0 ? std::min(scoring.pool, target.pool().size()) : target.pool().size()};
   for (std::size_t i = 0; i < points; ++i) {
-    poll();
+    poll(i);
     samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }
 

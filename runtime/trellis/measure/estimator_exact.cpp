@@ -25,7 +25,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   std::vector<double> log_density(evaluation.pool);
   double mass = 0.0;
   for (std::size_t i = 0; i < evaluation.pool; ++i) {
-    poll();
+    poll(i);
     log_density[i] = std::log(evaluation.known_density(pool[i]));
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }

@@ -169,7 +169,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   }
   BlendedNeighbours density(settings, evaluation);
   for (std::size_t i = 0; i < evaluation.points; ++i) {
-    poll();
+    poll(i);
     log_density[i] = density.log_density(i);
   }
   return estimate_from(evaluation, log_density);

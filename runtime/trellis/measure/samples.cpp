@@ -22,7 +22,7 @@ PreparedSamples::PreparedSamples(const Space& space, const Configurations& sampl
   std::vector<std::uint32_t> order;
   order.reserve(total_);
   for (std::size_t i = 0; i < total_; ++i) {
-    poll();
+    poll(i);
     const View x = samples[i];
     if (!std::all_of(x.begin(), x.end(), [](double c) { return std::isfinite(c); })) {
       throw Error(fmt::format("measure: sample {} has a coordinate that is not finite", i + 1));
@@ -67,7 +67,7 @@ InTarget in_target(const Target& target, const PreparedSamples& samples) {
   const std::size_t once = samples.tree().size();
   InTarget result;
   for (std::size_t i = 0; i < samples.distinct().size(); ++i) {
-    poll();
+    poll(i);
     const View x = samples.distinct()[i];
     if (!target.contains(x)) continue;
     const std::size_t copies = i < once ? 1 : samples.copies()[i - once];

@@ -122,7 +122,7 @@ class Supporter {
                  [&](std::uint32_t i) { return i < points_; });
     feature.samples.reserve(used_);
     for (std::size_t i = 0; i < used_; ++i) {
-      poll();
+      poll(i);
       feature.samples.push_back(value(i));
     }
     features_.push_back(std::move(feature));
@@ -152,7 +152,6 @@ class Supporter {
   }
 
   [[nodiscard]] static double nearest(const PointTree& tree, View y) {
-    poll();
     double squared = 0.0;
     tree.nearest(y, {&squared, 1});
     return squared;
@@ -162,14 +161,20 @@ class Supporter {
   [[nodiscard]] Feature distances(std::size_t first, std::size_t last, std::size_t from, std::size_t to) const {
     const PointTree tree = tree_of(first, last);
     Feature feature;
-    for (std::size_t i = 0; i < points_; ++i) feature.own.push_back(nearest(tree, point(i)));
+    for (std::size_t i = 0; i < points_; ++i) {
+      poll(i);
+      feature.own.push_back(nearest(tree, point(i)));
+    }
     feature.target = feature.own;
     feature.order.resize(points_);
     std::iota(feature.order.begin(), feature.order.end(), std::uint32_t{0});
     std::sort(feature.order.begin(), feature.order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return feature.own[a] != feature.own[b] ? feature.own[a] < feature.own[b] : a < b;
     });
-    for (std::size_t i = from; i < to; ++i) feature.samples.push_back(nearest(tree, sample(i)));
+    for (std::size_t i = from; i < to; ++i) {
+      poll(i);
+      feature.samples.push_back(nearest(tree, sample(i)));
+    }
     return feature;
   }
 
@@ -327,7 +332,7 @@ class Supporter {
       std::vector<double> found(of_.points_);
       std::vector<double> kept(columns_.empty() ? 0 : of_.points_ * k);
       for (std::size_t i = 0; i < found.size(); ++i) {
-        poll();
+        poll(i);
         found[i] = columns_.empty() ? by_tree(i, k) : by_scan(i, k, kept);
       }
       nearest_ = std::move(kept);
@@ -374,7 +379,7 @@ class Supporter {
     const PointTree& pool = target_.pool_tree(pool_expected * samples.size() / k);
     const std::vector<double> radii = samples.kth(k);
     for (std::size_t i = 0; i < log_density.size(); ++i) {
-      poll();
+      poll(i);
       const std::size_t within = pool.count_within(point(i), radii[i]);
       const auto inside = static_cast<double>(std::max<std::size_t>(within, 1));
       log_density[i] = log_share - std::log(inside / static_cast<double>(pool.size()));

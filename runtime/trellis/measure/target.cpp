@@ -199,7 +199,7 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
     return checked < patience * wanted || pool_.size() < std::min(enough, wanted);
   };
   while (drawn < std::max(least_cover, (filling() ? cover_limit : cover_share) * wanted)) {
-    poll();
+    poll(drawn);
     sequence.next(unit);
     ++drawn;
     if (!tube_->draw(unit, y)) continue;
@@ -235,7 +235,7 @@ Target Target::region(const Space& space, const TargetSettings& settings, const 
   std::vector<double> x(d);
   std::size_t drawn = 0;
   for (; drawn < region_limit * wanted && target.pool_.size() < wanted; ++drawn) {
-    poll();
+    poll(drawn);
     sequence.next(unit);
     frame.from_unit(unit, y);
     frame.to_raw(y, x);
@@ -262,7 +262,7 @@ Target Target::distribution(const Space& space, const TargetSettings& settings, 
                             space.name(), space.dimension()));
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    poll();
+    poll(i);
     if (!space.contains(samples[i])) {
       throw Error(fmt::format("target: draw {} lies outside of the space {}", i + 1, space.name()));
     }
@@ -285,7 +285,7 @@ void Target::finish() {
   const std::size_t d = space_.dimension();
   pool_rows_.resize(pool_.size() * d);
   for (std::size_t i = 0; i < pool_.size(); ++i) {
-    poll();
+    poll(i);
     frame.to_metric(std::as_const(pool_)[i], MutableView(pool_rows_).subspan(i * d, d));
   }
   pool_trees_ = std::make_shared<PoolTrees>();
@@ -309,7 +309,7 @@ void Target::finish() {
   log_misses_.reserve(evaluated);
   if (tube_) arcs_.reserve(evaluated);
   for (std::size_t i = 0; i < evaluated; ++i) {
-    poll();
+    poll(i);
     const View y = View(pool_rows_).subspan(i * d, d);
     hits_.push_back(chance(y, settings_.delta));
     log_misses_.push_back(std::log1p(-hits_.back()));
@@ -347,7 +347,7 @@ const std::vector<measure::TargetFeature>& Target::features() const {
       TargetFeature feature;
       feature.values.reserve(count);
       for (std::size_t i = 0; i < count; ++i) {
-        poll();
+        poll(i);
         feature.values.push_back(value(row(i)));
       }
       feature.order.resize(count);
@@ -403,7 +403,7 @@ Configurations Target::draw(std::size_t count, Stream& stream) const {
   std::vector<double> x(d);
   const auto attempts = static_cast<std::size_t>(static_cast<double>(cover_limit * count) / free_share_);
   for (std::size_t tried = 0; tried < attempts && drawn.size() < count; ++tried) {
-    poll();
+    poll(tried);
     for (double& u : unit) u = stream.uniform();
     if (tube_) {
       if (!tube_->draw(unit, y)) continue;
