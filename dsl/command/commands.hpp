@@ -18,8 +18,6 @@ void add_sweep(CommandLine& line);
 void add_merge(CommandLine& line);
 void add_measure(CommandLine& line);
 void add_tune(CommandLine& line);
-void add_compare(CommandLine& line);
-void add_plot(CommandLine& line);
 void add_report(CommandLine& line);
 void add_verify(CommandLine& line);
 void add_check(CommandLine& line);
@@ -35,9 +33,8 @@ void add_help(CommandLine& line);
 void add_reference(CommandLine& line);
 
 /// In the order of the help.
-inline constexpr std::array subcommands = {add_run,     add_sweep,   add_merge,   add_measure,    add_tune,
-                                           add_report,  add_compare, add_plot,    add_verify,     add_check,
-                                           add_explain, add_test,    add_scene,   add_experience, add_train,
-                                           add_new,     add_repl,    add_version, add_help,       add_reference};
+inline constexpr std::array subcommands = {add_run,    add_sweep, add_merge,   add_measure, add_tune,  add_report,
+                                           add_verify, add_check, add_explain, add_test,    add_scene, add_experience,
+                                           add_train,  add_new,   add_repl,    add_version, add_help,  add_reference};
 
 }  // namespace trellis::command

@@ -151,7 +151,7 @@ class Result:
         return _frame([_flat(entry) for entry in self.document["summary"]])
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        """Writes the document to a file, which `trellis plot`, `compare` and `verify` read.
+        """Writes the document to a file, which `trellis report` and `verify` read.
 
         Raises OSError where the file cannot be written.
         """

@@ -519,7 +519,7 @@ TEST_CASE("errors of frequent mistakes say how to mend them") {
   CHECK(place.run({"help", "arm"}).out.find("robot.arm") != std::string::npos);
   CHECK(place.run({"help", "obstacle"}).out.find("obstacle_based") != std::string::npos);
   CHECK(place.run({"help", "zebra"}).status == 2);
-  CHECK(place.run({"help", "compar"}).err.find("did you mean 'compare'?") != std::string::npos);
+  CHECK(place.run({"help", "explan"}).err.find("did you mean 'explain'?") != std::string::npos);
   // A command's name explains the command; `tune` is a word of the language, too.
   CHECK(place.run({"help", "sweep"}).out == place.run({"sweep", "--help"}).out);
   const std::string tune = place.run({"help", "tune"}).out;
@@ -692,7 +692,7 @@ TEST_CASE("a folder gets the tables, the document, the page and the figures", "[
   CHECK_FALSE(fs::exists(place / "there/table.md"));
   // The costs of the same document, in LaTeX too.
   CHECK(
-      place.run({"compare", "there/results.json", "--baseline", "rrt", "--out", "costs", "--format", "latex"}).status ==
+      place.run({"report", "there/results.json", "--baseline", "rrt", "--out", "costs", "--format", "latex"}).status ==
       0);
   CHECK(content(place / "costs/table.tex").find("\\bottomrule") != std::string::npos);
   CHECK(fs::file_size(place / "costs/figures/cup/success.svg") > 0);

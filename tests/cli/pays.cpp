@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// scripts/pays, trellis compare and the modules worlds and pays: their output is complete.
+// scripts/pays, trellis report --report costs and the modules worlds and pays: their output is complete.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -171,10 +171,10 @@ TEST_CASE("worlds are the same in every run, and every one has a path", "[pays][
   CHECK(place.run({"check", "refused.lua"}).err.find("field 'kind' must be \"narrow\", \"bent\" or \"mixed\"") !=
         std::string::npos);
   CHECK(place.run({"run", "worlds.lua", "--quiet", "--problem", "detour", "--json", "a.json"}).status == 0);
-  CHECK(place.run({"compare", "a.json"}).err ==
-        "trellis: compare: the files have one strategy, so there is nothing to compare it with\n");
-  CHECK(place.run({"compare", "nothing.json"}).status == 2);
-  CHECK(place.run({"compare", "a.json", "--baseline", "conect"}).err ==
+  CHECK(place.run({"report", "a.json", "--report", "costs"}).err ==
+        "trellis: --report costs: the files have one strategy, so there is nothing to compare it with\n");
+  CHECK(place.run({"report", "nothing.json"}).status == 2);
+  CHECK(place.run({"report", "a.json", "--report", "costs", "--baseline", "conect"}).err ==
         "trellis: there is no strategy 'conect' (did you mean 'connect'?); there are: connect\n");
 }
 

@@ -105,7 +105,7 @@ class Scripts(Folder):
         self.assertEqual(timeless(result.document), timeless(written))
         self.assertEqual(result.warnings, [])
         result.save(self.folder / "again.json")
-        self.assertIn("2 problems, 3 seeds", program("compare", str(self.folder / "again.json"), "--baseline", "rrt"))
+        self.assertIn("2 problems, 3 seeds", program("report", str(self.folder / "again.json"), "--report", "costs", "--baseline", "rrt"))
 
     def test_runs_do_not_depend_on_the_numbers_of_jobs_and_threads(self):
         script = trellis.script(GAPS)

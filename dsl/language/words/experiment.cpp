@@ -478,7 +478,7 @@ const Construct& experiment_construct() {
            {"baseline", "string", "the name of a strategy",
             "what the others are compared with; by default the first strategy without a guide, else the first"},
            {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
-            "problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are "
+            "problems that trellis report lists together; tuned: the strategies were tuned on them, else they are "
             "held-out"},
            {"published", "trellis.Publication", "published { ... }",
             "published figures and sentences, to compare the results with"},

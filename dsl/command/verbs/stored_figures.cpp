@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/verbs/stored_figures.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include <dsl/command/commands.hpp>
 #include <dsl/command/figure_options.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <trellis/base/error.hpp>
@@ -29,7 +30,7 @@ namespace trellis::command {
 
 namespace {
 
-/// In the order of figure_names().
+/// In the order of stored_figure_names().
 enum class Kind : std::uint8_t {
   success,
   length,
@@ -43,22 +44,9 @@ enum class Kind : std::uint8_t {
   waterfalls
 };
 
-const std::vector<std::string>& figure_names() {
-  static const std::vector<std::string> names = {"success",   "length",  "ratios", "sweep", "correlation",
-                                                 "waterfall", "profile", "strip",  "plane", "waterfalls"};
-  return names;
+bool draws(const StoredFigureOptions& options, Kind kind) {
+  return !options.figure || static_cast<Kind>(*options.figure) == kind;
 }
-
-struct PlotOptions {
-  std::vector<std::string> files;  ///< documents of trellis run --json
-  std::optional<std::size_t> figure;
-  std::string baseline;  ///< a strategy, "" for the one that the documents name
-  std::string out;       ///< a folder, "" if not given
-  std::string html;      ///< a file, "" if not given
-  FigureOptions style;
-
-  [[nodiscard]] bool draws(Kind kind) const { return !figure || static_cast<Kind>(*figure) == kind; }
-};
 
 /// The runs of a strategy on a problem.
 struct Plotted {
@@ -105,21 +93,21 @@ struct Stored {
 /// Draws figures into a folder, and lists the files without their endings.
 class Plotter {
  public:
-  Plotter(const PlotOptions& options, FigureStyle style) : options_(options), style_(style) {}
+  Plotter(const StoredFigureOptions& options, FigureStyle style) : options_(options), style_(style) {}
 
   void comparisons(const CostData& data, const std::string& baseline) {
     for (std::size_t p = 0; p < data.problems.size(); ++p) {
       const std::filesystem::path place = folder(data.problems[p].name);
-      if (options_.draws(Kind::success)) draw(success_figure(data, baseline, p, style_), place / "success");
-      if (options_.draws(Kind::length)) draw(length_figure(data, baseline, p, style_), place / "length");
-      if (options_.draws(Kind::ratios)) draw(ratio_figure(data.on(p), baseline, style_), place / "ratios");
+      if (draws(options_, Kind::success)) draw(success_figure(data, baseline, p, style_), place / "success");
+      if (draws(options_, Kind::length)) draw(length_figure(data, baseline, p, style_), place / "length");
+      if (draws(options_, Kind::ratios)) draw(ratio_figure(data.on(p), baseline, style_), place / "ratios");
     }
-    if (options_.draws(Kind::ratios) && data.problems.size() > 1) {
-      draw(ratio_figure(data, baseline, style_), std::filesystem::path(options_.out) / "ratios");
+    if (draws(options_, Kind::ratios) && data.problems.size() > 1) {
+      draw(ratio_figure(data, baseline, style_), std::filesystem::path(options_.folder) / "ratios");
     }
-    if (options_.draws(Kind::sweep)) sweeps(data, baseline);
-    if (options_.draws(Kind::correlation)) {
-      draw(correlation_figure(data, baseline), std::filesystem::path(options_.out) / "correlation");
+    if (draws(options_, Kind::sweep)) sweeps(data, baseline);
+    if (draws(options_, Kind::correlation)) {
+      draw(correlation_figure(data, baseline), std::filesystem::path(options_.folder) / "correlation");
     }
   }
 
@@ -131,19 +119,19 @@ class Plotter {
       const std::filesystem::path place = folder(problem) / strategies(one.strategy);
       if (!one.ablation) named.push_back({one.strategy, &one.runs});
       const StrategyFigures figures = strategy_figures(problem, one.strategy, one.runs);
-      if (options_.draws(Kind::waterfall)) draw(figures.waterfall, place / "waterfall");
-      if (options_.draws(Kind::profile)) draw(figures.profile, place / "profile");
-      if (options_.draws(Kind::strip)) draw(figures.strip, place / "strip");
-      if (options_.draws(Kind::plane)) draw(figures.plane, place / "plane");
+      if (draws(options_, Kind::waterfall)) draw(figures.waterfall, place / "waterfall");
+      if (draws(options_, Kind::profile)) draw(figures.profile, place / "profile");
+      if (draws(options_, Kind::strip)) draw(figures.strip, place / "strip");
+      if (draws(options_, Kind::plane)) draw(figures.plane, place / "plane");
     }
-    if (options_.draws(Kind::waterfalls)) draw(waterfalls_figure(problem, named), folder(problem) / "waterfalls");
+    if (draws(options_, Kind::waterfalls)) draw(waterfalls_figure(problem, named), folder(problem) / "waterfalls");
   }
 
   [[nodiscard]] const std::vector<std::string>& stems() const { return stems_; }
 
  private:
   std::filesystem::path folder(const std::string& problem) {
-    return std::filesystem::path(options_.out) / directories_(problem);
+    return std::filesystem::path(options_.folder) / directories_(problem);
   }
   void sweeps(const CostData& data, const std::string& baseline) {
     const auto draw_all = [&](const CostData& of, const std::filesystem::path& place) {
@@ -151,7 +139,7 @@ class Plotter {
       for (std::size_t i = 0; i < figures.size(); ++i) draw(std::optional(figures[i]), place / sweep_name(i));
     };
     for (std::size_t p = 0; p < data.problems.size(); ++p) draw_all(data.on(p), folder(data.problems[p].name));
-    if (data.problems.size() > 1) draw_all(data, options_.out);
+    if (data.problems.size() > 1) draw_all(data, options_.folder);
   }
   template <class F>
   void draw(const std::optional<F>& figure, const std::filesystem::path& stem) {
@@ -161,16 +149,16 @@ class Plotter {
     write_figure(*figure, style_, stems_.back());
   }
 
-  const PlotOptions& options_;
+  const StoredFigureOptions& options_;
   FigureStyle style_;
   Directories directories_;
   std::vector<std::string> stems_;
 };
 
 /// Why a figure was not drawn.
-std::string nothing_text(const PlotOptions& options) {
-  if (!options.figure) return "plot: the files have no run with a path, so there is nothing to draw";
-  const std::string name = "--figure " + figure_names()[*options.figure];
+std::string nothing_text(const StoredFigureOptions& options) {
+  if (!options.figure) return "--figures: the files have no run with a path, so there is nothing to draw";
+  const std::string name = "--figure " + stored_figure_names()[*options.figure];
   switch (static_cast<Kind>(*options.figure)) {
     case Kind::success:
     case Kind::ratios: return name + ": the files have no run with a path, so there is nothing to draw";
@@ -187,7 +175,7 @@ std::string nothing_text(const PlotOptions& options) {
   }
 }
 
-std::string chosen_baseline(const CostData& data, const PlotOptions& options) {
+std::string chosen_baseline(const CostData& data, const StoredFigureOptions& options) {
   std::string name = options.baseline.empty() ? data.reference() : options.baseline;
   std::vector<std::string> known;
   for (const CostData::Strategy& strategy : data.strategies) known.push_back(strategy.name);
@@ -198,25 +186,31 @@ std::string chosen_baseline(const CostData& data, const PlotOptions& options) {
   return name;
 }
 
-int plot_figures(const PlotOptions& options) {
-  check_format(options.style, false);
-  const FigureStyle style = figure_style(options.style, true);
+}  // namespace
+
+const std::vector<std::string>& stored_figure_names() {
+  static const std::vector<std::string> names = {"success",   "length",  "ratios", "sweep", "correlation",
+                                                 "waterfall", "profile", "strip",  "plane", "waterfalls"};
+  return names;
+}
+
+void draw_stored_figures(const StoredFigureOptions& options, const FigureStyle& style) {
   Stored stored;
   const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
   for (const std::string& file : options.files) stored.add(file, options.figure);
   stored.costs = stored.costs.without_ablations();
   const std::string baseline = chosen_baseline(stored.costs, options);
-  if (options.figure && options.draws(Kind::ratios) && baseline.empty()) {
+  if (options.figure && draws(options, Kind::ratios) && baseline.empty()) {
     throw Error("--figure ratios: the files have one strategy, so there is nothing to compare it with");
   }
   if (measured && !stored.repeated.empty()) {
     const std::string text =
         fmt::format("{} is in several files, whose efficiencies do not add up; draw the figures of each file by itself",
                     stored.repeated.front());
-    if (options.figure) throw Error("--figure " + figure_names()[*options.figure] + ": " + text);
+    if (options.figure) throw Error("--figure " + stored_figure_names()[*options.figure] + ": " + text);
     print_message(fmt::format("note: {}", text));
   }
-  OutputFolder out(options.out);
+  OutputFolder out(options.folder);
   Plotter plotter(options, style);
   plotter.comparisons(stored.costs, baseline);
   if (measured && stored.repeated.empty()) {
@@ -227,46 +221,16 @@ int plot_figures(const PlotOptions& options) {
   if (plotter.stems().empty()) throw Error(nothing_text(options));
   out.keep();
   for (const std::string& stem : plotter.stems()) print_all(fmt::format("{}.svg, .png, .pdf\n", stem));
-  return success;
 }
 
-/// Writes the page of one document.
-void write_page(const PlotOptions& options) {
-  if (options.files.size() != 1) {
+void write_stored_page(const std::vector<std::string>& files, const std::string& file) {
+  if (files.size() != 1) {
     throw Error("--html: the page is of one document, whose efficiencies it shows; those of several do not add up");
   }
-  require_writable_file(options.html);
-  const ExperimentFacts facts = read_document(options.files.front());
-  require_format(facts, options.files.front());
-  write_file(options.html, stored_report_html(facts, summarise(facts), options.files.front()));
-}
-
-int plot(const PlotOptions& options) {
-  if (options.out.empty() && options.html.empty()) {
-    throw Error("plot: --out FOLDER or --html FILE says where the figures or the page go");
-  }
-  if (!options.html.empty()) write_page(options);
-  return options.out.empty() ? success : plot_figures(options);
-}
-
-}  // namespace
-
-void add_plot(CommandLine& line) {
-  const auto options = std::make_shared<PlotOptions>();
-  Subcommand verb = line.add("plot", "draw stored results of trellis run, without planning", [options] {
-    name_documents(options->files);
-    return plot(*options);
-  });
-  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote, or folders of --out");
-  verb.choice(
-      "--figure", figure_names(), options->figure,
-      "the figure of this name alone (default all that the results suffice for); those of samples and of motions "
-      "need the samples, which trellis run --figures has");
-  verb.text("--baseline", "NAME", options->baseline,
-            "the strategy that the others are compared with, instead of the experiment's");
-  verb.text("--out", "FOLDER", options->out, "the folder of the figures");
-  verb.text("--html", "FILE", options->html, "write the page of trellis run --html, but for its replays");
-  add_figure_options(verb, options->style);
+  require_writable_file(file);
+  const ExperimentFacts facts = read_document(files.front());
+  require_format(facts, files.front());
+  write_file(file, stored_report_html(facts, summarise(facts), files.front()));
 }
 
 }  // namespace trellis::command
