@@ -25,7 +25,6 @@ void add_explain(CommandLine& line);
 void add_test(CommandLine& line);
 void add_scene(CommandLine& line);
 void add_experience(CommandLine& line);
-void add_train(CommandLine& line);
 void add_new(CommandLine& line);
 void add_repl(CommandLine& line);
 void add_version(CommandLine& line);
@@ -33,8 +32,8 @@ void add_help(CommandLine& line);
 void add_reference(CommandLine& line);
 
 /// In the order of the help.
-inline constexpr std::array subcommands = {add_run,    add_sweep, add_merge,   add_measure, add_tune,  add_report,
-                                           add_verify, add_check, add_explain, add_test,    add_scene, add_experience,
-                                           add_train,  add_new,   add_repl,    add_version, add_help,  add_reference};
+inline constexpr std::array subcommands = {
+    add_run,  add_sweep, add_merge,      add_measure, add_tune, add_report,  add_verify, add_check,    add_explain,
+    add_test, add_scene, add_experience, add_new,     add_repl, add_version, add_help,   add_reference};
 
 }  // namespace trellis::command

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT-0
 -- A heuristic learnt from other worlds: it predicts near-optimal paths from features that need no search.
 --
---   trellis train --data SCENES/mp_datasets --family gaps_and_forest --out examples/real/gaps_and_forest.model
+--   trellis experience --data SCENES/mp_datasets --family gaps_and_forest --out examples/real/gaps_and_forest.model
 --   trellis run examples/real/learned.lua
 --
 -- SCENES is the folder of benchmark scenes. Training uses cells of the family's 60 worlds and the

@@ -124,10 +124,11 @@ void prepare(const Place& place) {
                                  });
     }
   }
-  REQUIRE(place.run({"train", "--data", "data", "--out", "cells.model", "--samples", "100", "--quiet"}).status == 0);
+  REQUIRE(place.run({"experience", "--data", "data", "--out", "cells.model", "--samples", "100", "--quiet"}).status ==
+          0);
   REQUIRE(place
-              .run({"train", "--search", "--data", "data", "--out", "searches.model", "--cells", "20", "--rounds", "2",
-                    "--samples", "20", "--quiet"})
+              .run({"experience", "--search", "--data", "data", "--out", "searches.model", "--cells", "20", "--rounds",
+                    "2", "--samples", "20", "--quiet"})
               .status == 0);
 }
 

@@ -132,7 +132,7 @@ TEST_CASE("a script reaches the libraries in its folder, and others where it is 
 TEST_CASE("a heuristic is trained on worlds drawn as images, and used", "[slow]") {
   const Place place;
   draw_family(place / "data/gaps");
-  const std::vector<std::string> train = {"train", "--data", "data", "--out", "gaps.model", "--samples", "200"};
+  const std::vector<std::string> train = {"experience", "--data", "data", "--out", "gaps.model", "--samples", "200"};
   const auto trained = place.run(train);
   INFO(trained.err);
   REQUIRE(trained.status == 0);
@@ -155,8 +155,8 @@ TEST_CASE("a heuristic is trained on worlds drawn as images, and used", "[slow]"
 TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches the grid of a workspace") {
   const Place place;
   draw_family(place / "data/gaps");
-  const std::vector<std::string> train = {"train",   "--search", "--data",   "data", "--out",     "gaps.model",
-                                          "--cells", "30",       "--rounds", "2",    "--samples", "20"};
+  const std::vector<std::string> train = {"experience", "--search", "--data",   "data", "--out",     "gaps.model",
+                                          "--cells",    "30",       "--rounds", "2",    "--samples", "20"};
   const auto trained = place.run(train);
   INFO(trained.err);
   REQUIRE(trained.status == 0);
@@ -183,42 +183,44 @@ TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches
   place.script("wrong.lua", "return learned { model = 'gaps.model' } >> rrt {}, scenes.cup()\n");
   CHECK_THAT(place.run({"run", "wrong.lua"}).err,
              Contains("the model is a search heuristic") && Contains("expected a classifier of cells"));
-  REQUIRE(place.run({"train", "--data", "data", "--out", "cells.model", "--samples", "50"}).status == 0);
+  REQUIRE(place.run({"experience", "--data", "data", "--out", "cells.model", "--samples", "50"}).status == 0);
   place.script("wrong.lua", script("best_first { model = 'cells.model' }"));
   CHECK_THAT(place.run({"run", "wrong.lua"}).err,
-             Contains("the model is a classifier of cells") && Contains("trellis train --search"));
+             Contains("the model is a classifier of cells") && Contains("trellis experience --search"));
   place.script("wrong.lua", script("best_first { model = 'none.model' }"));
   CHECK_THAT(place.run({"check", "wrong.lua"}).err,
-             Contains("best_first: option 'model': there is no file") && Contains("trellis train --search"));
+             Contains("best_first: option 'model': there is no file") && Contains("trellis experience --search"));
   // A planner's file, too, lies relative to the script, in its folder unless the script is trusted.
   fs::create_directories(place / "scripts");
   std::ofstream(place / "scripts/use.lua")
       << "return workspace { planner = best_first '../gaps.model' } >> rrt {}, scenes.cup()\n";
   CHECK_THAT(place.run({"check", "scripts/use.lua"}).err, Contains("does not lie in the script's folder"));
   CHECK(place.run({"check", "scripts/use.lua", "--trust"}).status == 0);
-  CHECK_THAT(place.run({"train", "--data", "data", "--out", "a.model", "--rounds", "3"}).err,
+  CHECK_THAT(place.run({"experience", "--data", "data", "--out", "a.model", "--rounds", "3"}).err,
              Contains("--rounds") && Contains("--search"));
-  CHECK_THAT(place.run({"train", "--search", "--data", "data", "--out", "a.model", "--cells", "1"}).err,
+  CHECK_THAT(place.run({"experience", "--search", "--data", "data", "--out", "a.model", "--cells", "1"}).err,
              Contains("--cells"));
 }
 
 TEST_CASE("unusable training data are reported") {
   const Place place;
-  CHECK_THAT(place.run({"train", "--data", "none", "--out", "a.model"}).err, Contains("there is no folder 'none'"));
+  CHECK_THAT(place.run({"experience", "--data", "none", "--out", "a.model"}).err,
+             Contains("there is no folder 'none'"));
   fs::create_directories(place / "data");
-  CHECK_THAT(place.run({"train", "--data", "data", "--out", "a.model"}).err, Contains("there is no family in 'data'"));
+  CHECK_THAT(place.run({"experience", "--data", "data", "--out", "a.model"}).err,
+             Contains("there is no family in 'data'"));
   draw_family(place / "data/gaps");
-  CHECK_THAT(place.run({"train", "--data", "data", "--out", "a.model", "--family", "gasp"}).err,
+  CHECK_THAT(place.run({"experience", "--data", "data", "--out", "a.model", "--family", "gasp"}).err,
              Contains("there is no family 'gasp'") && Contains("did you mean 'gaps'?"));
   std::ofstream(place / "data/gaps/train/9.png") << "\x89PNG\r\n\x1a\nbut no more";
-  const auto damaged = place.run({"train", "--data", "data", "--out", "a.model"});
+  const auto damaged = place.run({"experience", "--data", "data", "--out", "a.model"});
   CHECK(damaged.status == 2);
   CHECK_THAT(damaged.err, Contains("9.png: the image cannot be read"));
   CHECK_FALSE(fs::exists(place / "a.model"));
   place.script("use.lua", "return learned { model = 'a.model' } >> rrt {}, scenes.cup()\n");
   CHECK_THAT(place.run({"check", "use.lua"}).err, Contains("there is no file 'a.model'"));
   place.script("a.model", "no model");
-  CHECK_THAT(place.run({"check", "use.lua"}).err, Contains("a.model: is no model of trellis train"));
+  CHECK_THAT(place.run({"check", "use.lua"}).err, Contains("a.model: is no model of trellis experience"));
 }
 
 TEST_CASE("killed while it learns, a run leaves a library that opens") {

@@ -196,7 +196,7 @@ TEST_CASE("check and run warn of what does nothing, or something else than it se
       {"return experience() >> rrt {}, " + box,
        "there is no library 'experience.db', so it guides nothing; trellis run SCRIPT --learn experience.db makes it"},
       {"return learned() >> rrt {}, " + box,
-       "there is no model 'learned.model', so it guides nothing; trellis train makes it"}};
+       "there is no model 'learned.model', so it guides nothing; trellis experience --data makes it"}};
   for (const auto& [script, warning] : scripts) {
     INFO(script);
     place.script("one.lua", script + "\n");

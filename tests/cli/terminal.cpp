@@ -113,7 +113,7 @@ TEST_CASE("where stderr cannot be written, every command ends with its own statu
                                     "tune quick.lua",
                                     "sweep none.lua --out swept",
                                     "merge none --out merged",
-                                    "train --data none --out a.model",
+                                    "experience --data none --out a.model",
                                     "new quick",
                                     "help nothing_like_it",
                                     "reference nothing",

@@ -136,7 +136,7 @@ TEST_CASE("a model is in a file what it was", "[memory][model]") {
   const test::Folder folder;
   const std::string file = folder.file("a.model");
   const auto write = [&](const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; };
-  CHECK_THAT(fault_of(file), Contains("there is no such model") && Contains("trellis train"));
+  CHECK_THAT(fault_of(file), Contains("there is no such model") && Contains("trellis experience"));
   CHECK(known_model(file) == nullptr);
   const std::string bytes = learnt().bytes();
 

@@ -286,7 +286,7 @@ TEST_CASE("a search heuristic is in a file what it was, and no other kind of mod
   const test::Folder folder;
   const std::string file = folder.file("a.model");
   const auto write = [&](const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; };
-  CHECK_THAT(fault_of(file), Contains("there is no such model") && Contains("trellis train --search"));
+  CHECK_THAT(fault_of(file), Contains("there is no such model") && Contains("trellis experience --search"));
   CHECK(known_search_model(file) == nullptr);
   const std::string bytes = learnt().bytes();
   write(bytes);
@@ -304,14 +304,14 @@ TEST_CASE("a search heuristic is in a file what it was, and no other kind of mod
   // Each kind names the other one and what makes the kind that was expected.
   CHECK_THROWS_WITH(Model::load(file), Contains("the model is a search heuristic") &&
                                            Contains("expected a classifier of cells") &&
-                                           Contains("trellis train --data"));
+                                           Contains("trellis experience --data"));
   TrainingSettings of_cells;
   of_cells.cells = 40;
   of_cells.samples = 50;
   of_cells.forest.trees = 2;
   write(Model::train(test::family(test::upper_gaps, 1, 2), of_cells, "cells").bytes());
   CHECK_THAT(fault_of(file), Contains("the model is a classifier of cells") &&
-                                 Contains("expected a search heuristic") && Contains("trellis train --search"));
+                                 Contains("expected a search heuristic") && Contains("trellis experience --search"));
   write("hello");
   CHECK_THAT(fault_of(file), Contains("is no model"));
   write(bytes.substr(0, bytes.size() / 2));

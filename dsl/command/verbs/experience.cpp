@@ -14,6 +14,7 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/command/verbs/learn.hpp>
+#include <dsl/command/verbs/train.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/library.hpp>
@@ -80,12 +81,18 @@ void add_experience(CommandLine& line) {
   struct Options {
     std::string library;
     bool list = false;
+    TrainOptions training;
   };
   const auto options = std::make_shared<Options>();
-  Subcommand verb = line.add("experience", "print what is in a library of paths",
-                             [options] { return experience(options->library, options->list); });
-  verb.argument("LIBRARY", "FILE", options->library, "a file as trellis run --learn makes it");
-  verb.flag("--list", options->list, "a line for each path, not for each problem");
+  Subcommand verb = line.add("experience", "print a library of paths, or train a heuristic on worlds", [options] {
+    if (options->training.data.empty() == options->library.empty()) {
+      throw Error("experience: expected LIBRARY, a file of trellis run --learn, or --data FOLDER to train on");
+    }
+    return options->library.empty() ? train(options->training) : experience(options->library, options->list);
+  });
+  verb.optional_argument("LIBRARY", "FILE", options->library, "a file as trellis run --learn makes it");
+  verb.flag("--list", options->list, "a line for each path of the library, not for each problem");
+  add_training_options(verb, options->training);
 }
 
 void learn(const Experiment& experiment, const ExperimentResult& result, const std::string& file,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/verbs/train.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,18 +24,6 @@
 namespace trellis::command {
 
 namespace {
-
-struct TrainOptions {
-  std::string data;                   ///< a folder of families
-  std::string out;                    ///< a file
-  std::vector<std::string> families;  ///< none: all
-  std::optional<std::uint64_t> seed;
-  std::optional<std::uint64_t> samples;
-  std::optional<std::uint64_t> cells;
-  std::optional<std::uint64_t> rounds;
-  bool search = false;  ///< a search heuristic instead of a classifier of cells
-  bool quiet = false;
-};
 
 namespace fs = std::filesystem;
 
@@ -164,7 +153,10 @@ int train_search(const TrainOptions& options, const std::vector<std::string>& fa
   return success;
 }
 
+}  // namespace
+
 int train(const TrainOptions& options) {
+  if (options.out.empty()) throw Error("--data: --out FILE says where the model goes");
   if (!options.search && (options.cells || options.rounds)) {
     throw Error(
         fmt::format("--{}: only a search heuristic is trained by searches of grids; expected together with "
@@ -199,25 +191,20 @@ int train(const TrainOptions& options) {
   return success;
 }
 
-}  // namespace
-
-void add_train(CommandLine& line) {
-  const auto options = std::make_shared<TrainOptions>();
-  Subcommand verb =
-      line.add("train", "train a heuristic to imitate exact search on worlds", [options] { return train(*options); });
-  verb.text("--data", "FOLDER", options->data,
-            "a folder of families, each with the folders train and validation of PNGs", true);
-  verb.text("--out", "FILE", options->out, "the file that the model is written to", true);
-  verb.list("--family", "NAME", options->families, "families to train on, separated by commas, instead of all");
-  verb.integer("--seed", "SEED", 0, most_count, options->seed, "of the samples and the forest (default 1)");
-  verb.flag("--search", options->search,
+void add_training_options(Subcommand& verb, TrainOptions& options) {
+  verb.text("--data", "FOLDER", options.data,
+            "train a heuristic: a folder of families, each with the folders train and validation of PNGs");
+  verb.text("--out", "FILE", options.out, "the file that the model is written to");
+  verb.list("--family", "NAME", options.families, "families to train on, separated by commas, instead of all");
+  verb.integer("--seed", "SEED", 0, most_count, options.seed, "of the samples and the forest (default 1)");
+  verb.flag("--search", options.search,
             "train a heuristic of best_first on searches of the worlds' grids, instead of learned's classifier");
-  verb.integer("--samples", "N", 1, most_count, options->samples,
+  verb.integer("--samples", "N", 1, most_count, options.samples,
                "cells drawn from each world (default 500); with --search, vertices from each search (default 60)");
-  verb.integer("--cells", "N", 2, 1000, options->cells,
+  verb.integer("--cells", "N", 2, 1000, options.cells,
                "cells of the grid along a world's longer side, for --search (default 40)");
-  verb.integer("--rounds", "N", 1, 1000, options->rounds, "rounds of data aggregation, for --search (default 10)");
-  verb.flag("--quiet", options->quiet, "print neither figures nor progress");
+  verb.integer("--rounds", "N", 1, 1000, options.rounds, "rounds of data aggregation, for --search (default 10)");
+  verb.flag("--quiet", options.quiet, "print neither figures nor progress of the training");
 }
 
 }  // namespace trellis::command

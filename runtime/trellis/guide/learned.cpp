@@ -33,7 +33,7 @@ const Settings<LearnedSettings>& learned_settings() {
           "cells of the workspace by the probability that a near-optimal path leads through them, which a classifier "
           "trained on other worlds predicts once, before the search; S = {0}",
           "after Ichter, Harrison and Pavone 2018, Learning sampling distributions for robot motion planning")
-          .file("model", &LearnedSettings::model, "the classifier, as trellis train makes it")
+          .file("model", &LearnedSettings::model, "the classifier, as trellis experience --data makes it")
           .number("sharpness", &LearnedSettings::sharpness, "exponent", Range::non_negative(),
                   "power of the probabilities that cells are drawn by; 0: free cells evenly, above 1: the likely ones "
                   "more often than the model says")

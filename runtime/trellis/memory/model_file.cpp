@@ -23,12 +23,12 @@ constexpr std::size_t word = 8;
 
 const ModelKind cell_classifier = {.magic = "Trellis heuristic\n",
                                    .what = "a classifier of cells, for the guide 'learned'",
-                                   .command = "trellis train --data FOLDER",
+                                   .command = "trellis experience --data FOLDER",
                                    .version = 1,
                                    .features = cell_features};
 const ModelKind search_heuristic = {.magic = "Trellis search heuristic\n",
                                     .what = "a search heuristic, for the planner 'best_first'",
-                                    .command = "trellis train --search --data FOLDER",
+                                    .command = "trellis experience --search --data FOLDER",
                                     .version = 1,
                                     .features = search_features};
 
@@ -61,7 +61,7 @@ ModelFile read_model(const ModelKind& kind, const std::string& file) {
                             kind.command));
   }
   const std::size_t head = kind.magic.size() + 5 * word;
-  if (!all.starts_with(kind.magic)) throw Error(fmt::format("{}: is no model of trellis train", file));
+  if (!all.starts_with(kind.magic)) throw Error(fmt::format("{}: is no model of trellis experience", file));
   const auto damaged = [&](const char* how) { return Error(fmt::format("{}: the model is damaged: {}", file, how)); };
   if (all.size() < head + word) throw damaged("it ends too early");
   const auto number = [&](std::size_t i) { return integer_at(all, kind.magic.size() + i * word); };

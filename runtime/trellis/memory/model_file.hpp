@@ -20,7 +20,7 @@ namespace trellis {
 struct ModelKind {
   std::string_view magic;    ///< the first bytes of its files
   std::string_view what;     ///< a noun phrase for messages
-  std::string_view command;  ///< the options of `trellis train` that train one
+  std::string_view command;  ///< the options of `trellis experience` that train one
   std::uint64_t version = 1;
   std::size_t features = 0;
 };

@@ -40,7 +40,7 @@ const Settings<BestFirstSettings>& best_first_settings() {
           "guide without a path",
           "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation; Doran and Michie 1966")
           .file("model", &BestFirstSettings::model,
-                "the search heuristic, as trellis train --search makes it; none: Euclidean distance")
+                "the search heuristic, as trellis experience --search makes it; none: Euclidean distance")
           .choice(
               "evaluate", &BestFirstSettings::evaluate,
               {{"expansion", BestFirstSearch::Evaluation::expansion},
@@ -61,7 +61,7 @@ class BestFirst final : public GraphPlanner {
     if (settings_.model.empty()) return;
     model_ = known_search_model(settings_.model);
     if (!model_) {
-      throw Error(fmt::format("best_first: option 'model': there is no file '{}'; trellis train --search makes one",
+      throw Error(fmt::format("best_first: option 'model': there is no file '{}'; trellis experience --search makes one",
                               settings_.model));
     }
   }
