@@ -8,7 +8,6 @@
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/guide/guide.hpp>
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/planner.hpp>
 
 namespace trellis {

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <trellis/guide/changing_world.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 

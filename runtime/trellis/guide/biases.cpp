@@ -5,7 +5,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/bias.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/search_cost.hpp>
 

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include <trellis/guide/holonomic.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/search_cost.hpp>
 #include <trellis/motion/motion_model.hpp>

@@ -15,7 +15,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/goal_choice.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
 #include <trellis/guide/set_up.hpp>

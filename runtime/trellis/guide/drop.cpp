@@ -11,7 +11,6 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/changing_world.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/planner/nearest.hpp>
 

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/set_up.hpp>
 #include <trellis/instance/characteristic_length.hpp>

@@ -8,6 +8,10 @@
 
 namespace trellis {
 
+#define TRELLIS_DECLARED(name) GuideKind name##_kind();
+TRELLIS_GUIDES(TRELLIS_DECLARED)
+#undef TRELLIS_DECLARED
+
 Repairs& Guide::repairs() {
   static class : public Repairs {
   } none;
@@ -19,16 +23,9 @@ void SamplingGuide::lift(View, Stream&, MutableView) const { throw Fault("S = {0
 double SamplingGuide::log_fibre_density(View) const { throw Fault("S = {0} has no coordinates"); }
 
 const std::vector<GuideKind>& guide_kinds() {
-  static const std::vector<GuideKind> kinds = {uniform_kind(),       goal_bias_kind(),      gaussian_kind(),
-                                               bridge_test_kind(),   obstacle_based_kind(), medial_axis_kind(),
-                                               halton_kind(),        informed_kind(),       information_gain_kind(),
-                                               state_cells_kind(),   identity_kind(),       workspace_kind(),
-                                               skeleton_kind(),      shrink_kind(),         joints_kind(),
-                                               pca_kind(),           widen_kind(),          lazy_kind(),
-                                               drop_kind(),          aggregate_kind(),      holonomic_kind(),
-                                               blossom_kind(),       decomposition_kind(),  experience_kind(),
-                                               path_database_kind(), learned_kind(),        team_kind(),
-                                               decouple_kind(),      prioritise_kind(),     couple_kind()};
+#define TRELLIS_MADE(name) name##_kind(),
+  static const std::vector<GuideKind> kinds = {TRELLIS_GUIDES(TRELLIS_MADE)};
+#undef TRELLIS_MADE
   return kinds;
 }
 

@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include <trellis/guide/bias.hpp>
-#include <trellis/guide/kinds.hpp>
 
 namespace trellis {
 

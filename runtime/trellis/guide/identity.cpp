@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <utility>
 
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 
 namespace trellis {

@@ -11,7 +11,6 @@
 
 #include <trellis/guide/bias.hpp>
 #include <trellis/guide/kernels.hpp>
-#include <trellis/guide/kinds.hpp>
 
 namespace trellis {
 

@@ -13,7 +13,6 @@
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/joint_ranges.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/team.hpp>
 #include <trellis/instance/characteristic_length.hpp>

@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/edge_evaluator.hpp>

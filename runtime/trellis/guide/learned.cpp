@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/memory/model.hpp>
 #include <trellis/scene/planar/scene.hpp>

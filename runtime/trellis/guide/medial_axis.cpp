@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include <trellis/guide/bias.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/rays.hpp>
 
 namespace trellis {

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include <trellis/guide/bias.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/rays.hpp>
 #include <trellis/instance/search_cost.hpp>
 

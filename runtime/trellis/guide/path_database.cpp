@@ -13,7 +13,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/set_up.hpp>
 #include <trellis/instance/characteristic_length.hpp>

@@ -9,7 +9,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/slice_monitor.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/principal_axes.hpp>
 #include <trellis/instance/search_cost.hpp>

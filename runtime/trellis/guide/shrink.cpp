@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 
 namespace trellis {

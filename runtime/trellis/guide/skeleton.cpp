@@ -16,7 +16,6 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/aligned_lift.hpp>
 #include <trellis/guide/kernels.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/position.hpp>
 #include <trellis/guide/position_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>

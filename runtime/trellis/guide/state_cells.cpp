@@ -13,7 +13,6 @@
 #include <vector>
 
 #include <trellis/guide/bias.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/search_cost.hpp>
 

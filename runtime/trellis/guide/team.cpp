@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/verified_motions.hpp>
 #include <trellis/motion/team_model.hpp>

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 

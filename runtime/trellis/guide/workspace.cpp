@@ -13,7 +13,6 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/excluded.hpp>
 #include <trellis/guide/handles.hpp>
-#include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>

@@ -13,7 +13,6 @@
 #include <trellis/memory/best_first_search.hpp>
 #include <trellis/memory/search_model.hpp>
 #include <trellis/planner/evaluated_graph.hpp>
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/loop.hpp>
 
 namespace trellis {

@@ -14,7 +14,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/slice_monitor.hpp>
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
 #include <trellis/scene/team_times.hpp>
 

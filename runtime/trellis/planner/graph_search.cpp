@@ -9,7 +9,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/planner/evaluated_graph.hpp>
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/loop.hpp>
 #include <trellis/planner/vertex_queue.hpp>
 

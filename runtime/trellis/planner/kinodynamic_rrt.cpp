@@ -11,7 +11,6 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/motion/steering.hpp>
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
 
 namespace trellis {

@@ -18,6 +18,10 @@
 
 namespace trellis {
 
+#define TRELLIS_DECLARED(name) PlannerKind name##_kind();
+TRELLIS_PLANNERS(TRELLIS_DECLARED)
+#undef TRELLIS_DECLARED
+
 std::string_view to_string(Status status) {
   switch (status) {
     case Status::untried: return "untried";
@@ -64,9 +68,9 @@ Solution Planner::solve(Guidance& h, const Budget& budget, const std::function<s
 namespace {
 
 std::vector<PlannerKind> built_in() {
-  return {rrt_kind(),        rrt_connect_kind(),   prm_kind(),           lazy_prm_kind(),        rrt_star_kind(),
-          prm_star_kind(),   lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(), graph_search_kind(),
-          best_first_kind(), drrt_kind()};
+#define TRELLIS_MADE(name) name##_kind(),
+  return {TRELLIS_PLANNERS(TRELLIS_MADE)};
+#undef TRELLIS_MADE
 }
 
 /// The planners of programs that link the library, until planner_kinds() collects them.

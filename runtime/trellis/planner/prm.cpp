@@ -2,7 +2,6 @@
 // The probabilistic roadmap planner and its lazy form. Both end with the first path.
 #include <limits>
 
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/roadmap_planner.hpp>
 
 namespace trellis {

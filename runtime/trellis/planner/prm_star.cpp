@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Asymptotically optimal roadmaps: PRM*, and planners that check an edge only when the shortest path contains it.
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/roadmap_planner.hpp>
 
 namespace trellis {

@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
 
 namespace trellis {

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
 #include <trellis/scene/scene.hpp>
 

@@ -5,7 +5,6 @@
 
 #include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/anytime.hpp>
-#include <trellis/planner/kinds.hpp>
 #include <trellis/planner/tree_planner.hpp>
 
 namespace trellis {
