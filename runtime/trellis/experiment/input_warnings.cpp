@@ -331,7 +331,8 @@ void find_library(const GuideSpec& guide, const Problem& problem, const std::str
 void find_model(const GuideSpec& guide, const std::string& where, std::vector<std::string>& warnings) {
   const auto& file = std::get<std::string>(guide.options().at("model"));
   if (!is_missing(file)) return;
-  add_once(fmt::format("{}: there is no model '{}', so it guides nothing; trellis experience --data makes it (trellis help experience)",
+  add_once(fmt::format("{}: there is no model '{}', so it guides nothing; trellis experience --data makes it (trellis "
+                       "help experience)",
                        where, file),
            warnings);
 }

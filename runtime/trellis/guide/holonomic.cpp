@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/guide/holonomic.hpp>
 
-
 namespace trellis {
 
 namespace {

@@ -60,8 +60,8 @@ class BestFirst final : public GraphPlanner {
     if (settings_.model.empty()) return;
     model_ = known_search_model(settings_.model);
     if (!model_) {
-      throw Error(fmt::format("best_first: option 'model': there is no file '{}'; trellis experience --search makes one",
-                              settings_.model));
+      throw Error(fmt::format(
+          "best_first: option 'model': there is no file '{}'; trellis experience --search makes one", settings_.model));
     }
   }
 

@@ -422,7 +422,7 @@ class ComponentGuidance final : public Wrapping<SearchedGuidance, Heuristic>, pu
   bool searched_ = false;                   ///< the first search has begun
   Slice slice_;                             ///< for this proposal
   double begun_ = 0.0;                      ///< work_so_far() when it began
-  double left_ = 0.0;                       ///< work of the slice when the solve began or went on
+  double left_ = 0.0;                       ///< work of the slice when the solve began or continued
   double searched_from_ = 0.0;              ///< work of the levels below then
   bool begins_solve_ = false;               ///< the next search begins a solve, or continues one for another proposal
   std::optional<Advance> ready_;            ///< what h answers for this proposal; none: S is to be searched

@@ -81,8 +81,8 @@ class Ledger {
   [[nodiscard]] bool asks_guide();
   /// What the levels below may spend before they pause.
   [[nodiscard]] Slice slice() const;
-  /// Whether h continues to search though a search below has not ended: beside a companion, which draws the planner's own
-  /// proposals.
+  /// Whether h continues to search though a search below has not ended: beside a companion, which draws the planner's
+  /// own proposals.
   [[nodiscard]] bool goes_on(Advance ready) const;
   /// Decides whether the guide draws this proposal.
   /// \param ready  what h answered
