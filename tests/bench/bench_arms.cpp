@@ -33,9 +33,9 @@
 #include <trellis/collision/checker.hpp>
 #include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/memory/library.hpp>
-#include <trellis/planner/nearest.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/point_cloud.hpp>
+#include <trellis/space/nearest.hpp>
 #include <trellis/strategy/executor.hpp>
 
 #include "se3_bench.hpp"

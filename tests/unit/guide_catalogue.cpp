@@ -13,10 +13,10 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
-#include <trellis/planner/nearest.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
 #include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/space/nearest.hpp>
 
 #include "support/catch.hpp"
 #include "support/density.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

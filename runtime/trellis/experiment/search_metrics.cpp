@@ -10,7 +10,7 @@
 #include <trellis/base/polling.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

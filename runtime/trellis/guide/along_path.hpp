@@ -3,7 +3,7 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/instance/instance.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

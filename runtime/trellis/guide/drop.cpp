@@ -12,7 +12,7 @@
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/changing_world.hpp>
 #include <trellis/guide/path_guide.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

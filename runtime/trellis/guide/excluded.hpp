@@ -11,7 +11,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/instance/forwarding_validity.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

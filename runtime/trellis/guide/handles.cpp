@@ -14,8 +14,8 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/planner/nearest.hpp>
 #include <trellis/scene/planar/scene.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

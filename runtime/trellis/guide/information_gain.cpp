@@ -10,7 +10,7 @@
 #include <trellis/guide/bias.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/search_cost.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

@@ -10,7 +10,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/planner/density.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

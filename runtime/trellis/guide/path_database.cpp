@@ -18,8 +18,8 @@
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
-#include <trellis/planner/nearest.hpp>
 #include <trellis/scene/scene.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

@@ -19,7 +19,6 @@
 #include <trellis/guide/position.hpp>
 #include <trellis/guide/position_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/planner/nearest.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/skeleton.hpp>
 #include <trellis/scene/set_up_cache.hpp>
@@ -27,6 +26,7 @@
 #include <trellis/scene/spatial/box_tree.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 #include <trellis/scene/spatial/scene.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

@@ -12,7 +12,7 @@
 
 #include <trellis/instance/search_cost.hpp>
 #include <trellis/planner/loop.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

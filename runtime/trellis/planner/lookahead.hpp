@@ -12,8 +12,8 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/helper_threads.hpp>
-#include <trellis/planner/nearest.hpp>
 #include <trellis/planner/planner.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <trellis/planner/loop.hpp>
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 

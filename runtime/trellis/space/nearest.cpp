@@ -1,26 +1,61 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
+#include <tuple>
 #include <type_traits>
 
 #include <trellis/base/clones.hpp>
-#include <trellis/planner/nearest_implementation.hpp>
+#include <trellis/base/polling.hpp>
+#include <trellis/space/nearest_implementation.hpp>
 
 namespace trellis {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t bucket = 32;  // in benchmarks faster than 8 and 16 from 500 to 100,000 points
+// Points of a leaf. An index that grows has larger ones: in benchmarks faster than 8 and 16 from 500 to 100,000 points.
+constexpr std::size_t growing = 32;
+constexpr std::size_t built = 16;
 
 /// Two numbers, as every 64-bit processor has them. In few dimensions wider vectors gain nothing: the search ends after
 /// some buckets.
 using Pair = double __attribute__((vector_size(16)));
+
+using Four = double __attribute__((vector_size(32)));
+
+/// Nodes that a search visits later. A descent pushes one entry per level of the tree. Only the number of points bounds
+/// the depth, so further entries go to the heap.
+template <class Entry>
+class Waiting {
+ public:
+  [[nodiscard]] bool empty() const { return height_ == 0; }
+  void push(const Entry& entry) {
+    if (height_ < fixed_.size()) {
+      fixed_[height_] = entry;
+    } else {
+      spilled_.push_back(entry);
+    }
+    ++height_;
+  }
+  Entry pop() {
+    --height_;
+    if (height_ < fixed_.size()) return fixed_[height_];
+    const Entry entry = spilled_.back();
+    spilled_.pop_back();
+    return entry;
+  }
+
+ private:
+  std::array<Entry, 64> fixed_;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
+  std::vector<Entry> spilled_;
+  std::size_t height_ = 0;
+};
 
 inline Pair load(const double* from) {
   Pair pair;
@@ -31,7 +66,7 @@ inline Pair lesser(const Pair& a, const Pair& b) { return a < b ? a : b; }
 inline double lesser_of(const Pair& pair) { return pair[0] < pair[1] ? pair[0] : pair[1]; }
 
 /// The kd-tree for a dimension D known at compile time, so that loops unroll; D = 0 reads the dimension at run time.
-template <std::size_t D>
+template <std::size_t D, std::size_t bucket>
 class Tree final : public NearestIndex::Implementation {
  public:
   explicit Tree(const Space& space) : dimension_(space.dimension()) {
@@ -45,10 +80,25 @@ class Tree final : public NearestIndex::Implementation {
       period_[j] = axis.periodic ? axis.weight * axis.period() : infinity;
     }
   }
+  Tree(const Space& space, std::span<const double> rows) : Tree(space) {
+    size_ = rows.size() / dim();
+    if (size_ == 0) return;
+    std::vector<double> points(rows.begin(), rows.end());
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t j = 0; j < dim(); ++j) points[i * dim() + j] *= weight_[j];
+    }
+    std::vector<std::uint32_t> ids(size_);
+    std::iota(ids.begin(), ids.end(), 0U);
+    const std::size_t leaves = 2 * (size_ / bucket + 1);
+    nodes_.reserve(2 * leaves);
+    boxes_.reserve(4 * leaves * dim());
+    coordinates_.reserve(leaves * bucket * dim());
+    build(points, ids);
+  }
 
   std::uint32_t add(View q) override {
     // Allocates memory with the first point, because many indices stay empty.
-    if (nodes_.empty()) new_leaf();
+    if (nodes_.empty()) nodes_[new_node()].leaf = static_cast<std::int32_t>(new_bucket());
     const auto id = static_cast<std::uint32_t>(size_++);
     std::array<double, capacity> y{};
     std::vector<double> large;
@@ -56,7 +106,8 @@ class Tree final : public NearestIndex::Implementation {
     std::uint32_t at = 0;
     for (;;) {
       widen(at, point);
-      const Node& node = nodes_[at];
+      Node& node = nodes_[at];
+      ++node.points;
       if (node.leaf >= 0) break;
       at = point[node.axis] < node.split ? node.left : node.right;
     }
@@ -64,6 +115,7 @@ class Tree final : public NearestIndex::Implementation {
     if (count_[leaf] == bucket) {
       const std::uint32_t child = split(at, point);
       widen(child, point);
+      ++nodes_[child].points;
       leaf = static_cast<std::size_t>(nodes_[child].leaf);
     }
     const std::size_t slot = count_[leaf]++;
@@ -93,7 +145,12 @@ class Tree final : public NearestIndex::Implementation {
     }
     size_ = kept;
     // Children come after their parents.
-    for (std::size_t at = nodes_.size(); at-- > 0;) fit_box(at);
+    for (std::size_t at = nodes_.size(); at-- > 0;) {
+      Node& node = nodes_[at];
+      node.points = static_cast<std::uint32_t>(node.leaf >= 0 ? count_[static_cast<std::size_t>(node.leaf)]
+                                                              : nodes_[node.left].points + nodes_[node.right].points);
+      fit_box(at);
+    }
   }
 
   [[nodiscard]] std::size_t size() const override { return size_; }
@@ -143,6 +200,9 @@ class Tree final : public NearestIndex::Implementation {
     std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   }
 
+  void nearest_distances(View q, std::span<double> squared) const override { find_distances(q, squared); }
+  [[nodiscard]] std::size_t count_within(View q, double squared) const override { return count(q, squared); }
+
  private:
   static constexpr std::size_t capacity = D == 0 ? 32 : D;
   using PerAxis = std::conditional_t<D == 0, std::vector<double>, std::array<double, capacity>>;
@@ -153,6 +213,7 @@ class Tree final : public NearestIndex::Implementation {
     std::uint32_t right = 0;
     std::uint32_t axis = 0;
     double split = 0.0;
+    std::uint32_t points = 0;  ///< below it
   };
 
   [[nodiscard]] std::size_t dim() const {
@@ -174,16 +235,50 @@ class Tree final : public NearestIndex::Implementation {
     return out;
   }
 
-  std::uint32_t new_leaf() {
-    Node node;
-    node.leaf = static_cast<std::int32_t>(count_.size());
-    nodes_.push_back(node);
+  std::uint32_t new_node() {
+    nodes_.emplace_back();
     boxes_.resize(boxes_.size() + 2 * dim(), infinity);
     std::fill(boxes_.end() - static_cast<std::ptrdiff_t>(dim()), boxes_.end(), -infinity);
+    return static_cast<std::uint32_t>(nodes_.size() - 1);
+  }
+  std::size_t new_bucket() {
     count_.push_back(0);
     coordinates_.resize(coordinates_.size() + dim() * bucket, infinity);
     ids_.resize(ids_.size() + bucket);
-    return static_cast<std::uint32_t>(nodes_.size() - 1);
+    return count_.size() - 1;
+  }
+
+  /// Builds the node of these points, and returns it. All leaves but the last are full or nearly so.
+  std::uint32_t build(std::span<const double> points, std::span<std::uint32_t> ids) {
+    poll();
+    const std::uint32_t at = new_node();
+    nodes_[at].points = static_cast<std::uint32_t>(ids.size());
+    for (const std::uint32_t id : ids) widen(at, &points[id * dim()]);
+    if (ids.size() <= bucket) {
+      const std::size_t leaf = new_bucket();
+      nodes_[at].leaf = static_cast<std::int32_t>(leaf);
+      count_[leaf] = ids.size();
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        ids_[leaf * bucket + i] = ids[i];
+        for (std::size_t j = 0; j < dim(); ++j) {
+          coordinates_[(leaf * dim() + j) * bucket + i] = points[ids[i] * dim() + j];
+        }
+      }
+      return at;
+    }
+    const std::size_t axis = widest_side(at);
+    const std::size_t half = (ids.size() / 2 + bucket - 1) / bucket * bucket;
+    const std::size_t middle = half < ids.size() ? half : ids.size() / 2;
+    const auto coordinate = [&](std::uint32_t id) { return points[id * dim() + axis]; };
+    std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(middle), ids.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return coordinate(a) < coordinate(b); });
+    nodes_[at].axis = static_cast<std::uint32_t>(axis);
+    nodes_[at].split = coordinate(ids[middle]);
+    const std::uint32_t left = build(points, ids.first(middle));
+    const std::uint32_t right = build(points, ids.subspan(middle));
+    nodes_[at].left = left;
+    nodes_[at].right = right;
+    return at;
   }
 
   void widen(std::uint32_t at, const double* point) {
@@ -219,20 +314,22 @@ class Tree final : public NearestIndex::Implementation {
     }
   }
 
+  /// The axis of the widest side of a box.
+  [[nodiscard]] std::size_t widest_side(std::uint32_t at) const {
+    const double* box = &boxes_[at * 2 * dim()];
+    std::size_t axis = 0;
+    for (std::size_t j = 1; j < dim(); ++j) {
+      if (box[dim() + j] - box[j] > box[dim() + axis] - box[axis]) axis = j;
+    }
+    return axis;
+  }
+
   /// Splits the full leaf at node `at` across the widest side of its box, and returns the child that `point` belongs
   /// to. If all points coincide along that side, each child gets half of them in order; then only the box test directs
   /// the search.
   std::uint32_t split(std::uint32_t at, const double* point) {
     const auto old = static_cast<std::size_t>(nodes_[at].leaf);
-    std::size_t axis = 0;
-    double widest = -1.0;
-    for (std::size_t j = 0; j < dim(); ++j) {
-      const double side = boxes_[at * 2 * dim() + dim() + j] - boxes_[at * 2 * dim() + j];
-      if (side > widest) {
-        widest = side;
-        axis = j;
-      }
-    }
+    const std::size_t axis = widest_side(at);
     std::array<std::size_t, bucket> order{};
     for (std::size_t i = 0; i < bucket; ++i) order[i] = i;
     const auto coordinate = [&](std::size_t slot) { return coordinates_[(old * dim() + axis) * bucket + slot]; };
@@ -249,14 +346,10 @@ class Tree final : public NearestIndex::Implementation {
         points[i * dim() + j] = coordinates_[(old * dim() + j) * bucket + order[i]];
       }
     }
-    const std::uint32_t left = new_leaf();
-    const std::uint32_t right = new_leaf();
-    // The left child reuses the old bucket.
-    std::swap(nodes_[left].leaf, nodes_[at].leaf);
-    count_.pop_back();
-    coordinates_.resize(coordinates_.size() - dim() * bucket);
-    ids_.resize(ids_.size() - bucket);
-    nodes_[right].leaf = nodes_[at].leaf;
+    const std::uint32_t left = new_node();
+    const std::uint32_t right = new_node();
+    nodes_[left].leaf = nodes_[at].leaf;
+    nodes_[right].leaf = static_cast<std::int32_t>(new_bucket());
     nodes_[at].leaf = -1;
     nodes_[at].left = left;
     nodes_[at].right = right;
@@ -265,6 +358,7 @@ class Tree final : public NearestIndex::Implementation {
     for (const std::uint32_t child : {left, right}) {
       const auto leaf = static_cast<std::size_t>(nodes_[child].leaf);
       count_[leaf] = bucket / 2;
+      nodes_[child].points = static_cast<std::uint32_t>(bucket / 2);
       const std::size_t from = child == left ? 0 : bucket / 2;
       std::fill_n(&coordinates_[leaf * dim() * bucket], dim() * bucket, infinity);
       for (std::size_t i = 0; i < bucket / 2; ++i) {
@@ -294,6 +388,24 @@ class Tree final : public NearestIndex::Implementation {
     return sum;
   }
 
+  /// The squared distance of the farthest point that a box may contain. It takes the operations of the distances in the
+  /// same order, and rounding is monotone: no point of the box has a greater one.
+  [[nodiscard]] TRELLIS_ALONG double greatest_distance(std::uint32_t at, const double* y) const {
+    const double* box = &boxes_[at * 2 * dim()];
+    double sum = 0.0;
+    for (std::size_t j = 0; j < dim(); ++j) {
+      const double a = box[j] - y[j];
+      const double b = box[dim() + j] - y[j];
+      const double half = 0.5 * period_[j];
+      const bool across = (a <= half && b >= half) || (a <= -half && b >= -half);
+      const double ends =
+          std::max(std::min(std::abs(a), period_[j] - std::abs(a)), std::min(std::abs(b), period_[j] - std::abs(b)));
+      const double d = across ? half : ends;
+      sum += d * d;
+    }
+    return sum;
+  }
+
   /// The squared distances of the points of a bucket; infinity in its empty places.
   using Squares = std::array<double, bucket>;
 
@@ -316,6 +428,20 @@ class Tree final : public NearestIndex::Implementation {
         }
       }
     }
+  }
+  /// The same of four points.
+  TRELLIS_ALONG void square_distances(const double* points, const double* y, Four* squares) const {
+    Four sum{};
+    for (std::size_t j = 0; j < dim(); ++j) {
+      Four at;
+      std::memcpy(&at, points + j * bucket, sizeof at);
+      const Four offset = at - y[j];
+      const Four u = offset < 0.0 ? -offset : offset;
+      const Four v = period_[j] - u;
+      const Four d = v < u ? v : u;
+      sum += d * d;
+    }
+    *squares = sum;
   }
   [[nodiscard]] TRELLIS_ALONG static double least_of(const Squares& squares) {
     Pair least = load(squares.data());
@@ -346,7 +472,9 @@ class Tree final : public NearestIndex::Implementation {
   TRELLIS_ALONG void find(View q, NearestIndex::Neighbour& best) const {
     visit(
         q, [&] { return best.squared_distance; },
-        [&](std::size_t leaf, const Squares& squares) {
+        [&](std::size_t leaf, const double* y) TRELLIS_ALONG_LAMBDA {
+          Squares squares;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
+          square_distances(leaf, y, squares);
           if (!reaches(squares, best.squared_distance)) return;
           const double least = least_of(squares);
           const auto id = static_cast<std::uint32_t>(least_id(leaf, squares, least));
@@ -354,6 +482,56 @@ class Tree final : public NearestIndex::Implementation {
         });
   }
   TRELLIS_WIDE_CLONES void find_by_clones(View q, NearestIndex::Neighbour& best) const { find(q, best); }
+
+  TRELLIS_CLONES void find_distances(View q, std::span<double> squared) const {
+    std::fill(squared.begin(), squared.end(), infinity);
+    if (squared.empty()) return;
+    double& worst = squared.back();
+    visit(
+        q, [&] { return worst; },
+        [&](std::size_t leaf, const double* y) TRELLIS_ALONG_LAMBDA {
+          for (std::size_t begin = 0; begin < bucket; begin += 4) {
+            Four squares;
+            square_distances(&coordinates_[leaf * dim() * bucket + begin], y, &squares);
+            const auto closer = squares < worst;
+            if ((closer[0] | closer[1] | closer[2] | closer[3]) == 0) continue;
+            for (std::size_t i = 0; i < 4; ++i) {
+              if (squares[i] < worst) insert_distance(squares[i], squared);
+            }
+          }
+        });
+  }
+
+  [[nodiscard]] TRELLIS_CLONES std::size_t count(View q, double squared) const {
+    if (size_ == 0) return 0;
+    std::array<double, capacity> memory;  // NOLINT(cppcoreguidelines-pro-type-member-init): scaled() fills it
+    std::vector<double> large;
+    const double* y = scaled(q, memory, large);
+    if (box_distance(0, y) > squared) return 0;
+    Waiting<std::uint32_t> waiting;
+    waiting.push(0);
+    decltype(Four{} <= Four{}) near{};
+    std::size_t found = 0;
+    while (!waiting.empty()) {
+      const std::uint32_t at = waiting.pop();
+      const Node& node = nodes_[at];
+      if (node.leaf >= 0) {
+        const double* leaf = &coordinates_[static_cast<std::size_t>(node.leaf) * dim() * bucket];
+        for (std::size_t i = 0; i < bucket; i += 4) {
+          Four squares;
+          square_distances(leaf + i, y, &squares);
+          near -= squares <= squared;  // true is -1
+        }
+      } else if (greatest_distance(at, y) <= squared) {
+        found += node.points;
+      } else {
+        for (const std::uint32_t child : {node.left, node.right}) {
+          if (box_distance(child, y) <= squared) waiting.push(child);
+        }
+      }
+    }
+    return found + static_cast<std::size_t>(near[0] + near[1] + near[2] + near[3]);
+  }
 
   /// Calls `offer` for every point that may be within `limit()`, which decreases as points are found.
   template <class Limit, class Offer>
@@ -370,7 +548,9 @@ class Tree final : public NearestIndex::Implementation {
   }
   template <class Limit, class Offer>
   TRELLIS_ALONG void search_buckets(View q, const Limit& limit, const Offer& offer) const {
-    visit(q, limit, [&](std::size_t leaf, const Squares& squares) {
+    visit(q, limit, [&](std::size_t leaf, const double* y) TRELLIS_ALONG_LAMBDA {
+      Squares squares;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
+      square_distances(leaf, y, squares);
       const double most = limit();
       // Most buckets that the search reaches have no such point.
       if (!reaches(squares, most)) return;
@@ -387,35 +567,16 @@ class Tree final : public NearestIndex::Implementation {
     std::array<double, capacity> memory{};
     std::vector<double> large;
     const double* y = scaled(q, memory, large);
-    struct Waiting {
+    struct Far {
       std::uint32_t node;
       double distance;
     };
-    // A descent pushes one entry per level of the tree. Only the number of points bounds the depth, so further entries
-    // go to the heap.
-    std::array<Waiting, 64> fixed;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
-    std::vector<Waiting> spilled;
-    std::size_t height = 0;
-    const auto push = [&](Waiting w) {
-      if (height < fixed.size()) {
-        fixed[height] = w;
-      } else {
-        spilled.push_back(w);
-      }
-      ++height;
-    };
-    const auto pop = [&] {
-      --height;
-      if (height < fixed.size()) return fixed[height];
-      const Waiting w = spilled.back();
-      spilled.pop_back();
-      return w;
-    };
-    push({0, 0.0});
-    while (height > 0) {  // NOLINT(bugprone-infinite-loop): pop() lowers it
-      const Waiting waiting = pop();
-      if (waiting.distance > limit()) continue;
-      std::uint32_t at = waiting.node;
+    Waiting<Far> waiting;
+    waiting.push({0, 0.0});
+    while (!waiting.empty()) {
+      const Far next = waiting.pop();
+      if (next.distance > limit()) continue;
+      std::uint32_t at = next.node;
       while (nodes_[at].leaf < 0) {
         const std::uint32_t left = nodes_[at].left;
         const std::uint32_t right = nodes_[at].right;
@@ -423,15 +584,12 @@ class Tree final : public NearestIndex::Implementation {
         const double to_right = box_distance(right, y);
         const bool left_first = to_left <= to_right;
         const double far = left_first ? to_right : to_left;
-        if (far <= limit()) push({left_first ? right : left, far});
+        if (far <= limit()) waiting.push({left_first ? right : left, far});
         at = left_first ? left : right;
         if ((left_first ? to_left : to_right) > limit()) break;
       }
       if (nodes_[at].leaf < 0) continue;
-      const auto leaf = static_cast<std::size_t>(nodes_[at].leaf);
-      Squares squares;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
-      square_distances(leaf, y, squares);
-      examine(leaf, squares);
+      examine(static_cast<std::size_t>(nodes_[at].leaf), y);
     }
   }
 
@@ -446,21 +604,28 @@ class Tree final : public NearestIndex::Implementation {
   std::vector<double> ids_;          ///< exact: ids have 32 bits
 };
 
-std::unique_ptr<NearestIndex::Implementation> make_tree(const Space& space) {
-  if (!space.flat()) return make_rotation_index(space);
-  switch (space.dimension()) {
-    case 1: return std::make_unique<Tree<1>>(space);
-    case 2: return std::make_unique<Tree<2>>(space);
-    case 3: return std::make_unique<Tree<3>>(space);
-    case 4: return std::make_unique<Tree<4>>(space);
-    case 6: return std::make_unique<Tree<6>>(space);
-    default: return std::make_unique<Tree<0>>(space);
+/// \param of  the space, and the rows of an index that is built at once
+template <std::size_t bucket, class... Of>
+std::unique_ptr<NearestIndex::Implementation> make_tree(const Of&... of) {
+  switch (std::get<0>(std::tie(of...)).dimension()) {
+    case 1: return std::make_unique<Tree<1, bucket>>(of...);
+    case 2: return std::make_unique<Tree<2, bucket>>(of...);
+    case 3: return std::make_unique<Tree<3, bucket>>(of...);
+    case 4: return std::make_unique<Tree<4, bucket>>(of...);
+    case 6: return std::make_unique<Tree<6, bucket>>(of...);
+    default: return std::make_unique<Tree<0, bucket>>(of...);
   }
 }
 
 }  // namespace
 
-NearestIndex::NearestIndex(const Space& space) : implementation_(make_tree(space)) {}
+NearestIndex::NearestIndex(const Space& space)
+    : implementation_(space.flat() ? make_tree<growing>(space) : make_rotation_index(space)) {}
+NearestIndex::NearestIndex(const Space& space, std::span<const double> rows)
+    : implementation_(space.flat() ? make_tree<built>(space, rows) : make_rotation_index(space)) {
+  if (space.flat()) return;
+  for (std::size_t at = 0; at < rows.size(); at += space.dimension()) add(rows.subspan(at, space.dimension()));
+}
 NearestIndex::~NearestIndex() = default;
 NearestIndex::NearestIndex(NearestIndex&&) noexcept = default;
 NearestIndex& NearestIndex::operator=(NearestIndex&&) noexcept = default;
@@ -482,6 +647,12 @@ void NearestIndex::k_nearest(View q, std::size_t k, std::vector<Neighbour>& out)
 }
 void NearestIndex::within(View q, double radius, std::vector<Neighbour>& out) const {
   implementation_->within(q, radius, out);
+}
+void NearestIndex::nearest_distances(View q, std::span<double> squared) const {
+  implementation_->nearest_distances(q, squared);
+}
+std::size_t NearestIndex::count_within(View q, double squared) const {
+  return implementation_->count_within(q, squared);
 }
 
 }  // namespace trellis

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <memory>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -12,7 +12,8 @@
 namespace trellis {
 
 /// Exact nearest neighbours in a space's metric, with circles and rotations. Ties go to the point that was added first,
-/// so results do not depend on the internal structure. An incremental kd-tree of buckets with tight bounding boxes.
+/// so results do not depend on the internal structure. A kd-tree of buckets with tight bounding boxes, which grows
+/// point by point or is built of all points at once.
 class NearestIndex {
  public:
   struct Neighbour {
@@ -21,6 +22,8 @@ class NearestIndex {
   };
 
   explicit NearestIndex(const Space& space);
+  /// An index of these points, row by row, whose ids are the numbers of the rows.
+  NearestIndex(const Space& space, std::span<const double> rows);
   ~NearestIndex();
   NearestIndex(NearestIndex&&) noexcept;
   NearestIndex& operator=(NearestIndex&&) noexcept;
@@ -40,6 +43,11 @@ class NearestIndex {
   void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const;
   /// All points within `radius` (closed ball), in order of id.
   void within(View q, double radius, std::vector<Neighbour>& out) const;
+  /// Computes the squared distances of the nearest points, ascending; as many as `squared` has entries, infinity beyond
+  /// the last point.
+  void nearest_distances(View q, std::span<double> squared) const;
+  /// Returns the number of points at a squared distance of at most `squared`, which is finite.
+  [[nodiscard]] std::size_t count_within(View q, double squared) const;
 
   class Implementation;
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include <trellis/base/clones.hpp>
-#include <trellis/planner/nearest_implementation.hpp>
+#include <trellis/space/nearest_implementation.hpp>
 
 namespace trellis {
 
@@ -109,11 +109,13 @@ class RotationIndex final : public NearestIndex::Implementation {
           break;
         case Factor::Kind::circle: {
           const double scale = std::min(weight, largest_coordinate / factor.axis.period());
+          exact_ = exact_ && scale == weight;
           circles_.push_back({factor.column, scale, 0.0, static_cast<float>(scale * factor.axis.period())});
           break;
         }
         case Factor::Kind::rotation: {
           const double scale = std::clamp(2.0 * weight, 1e-15, largest_coordinate);
+          exact_ = exact_ && scale == 2.0 * weight;
           const auto inverse = static_cast<float>(0.25 / (scale * scale));
           rotations_.push_back({factor.column, std::min(scale, 2.0 * weight), 0.0, 0.0F, inverse});
           break;
@@ -140,6 +142,7 @@ class RotationIndex final : public NearestIndex::Implementation {
     std::uint32_t at = 0;
     for (;;) {
       widen(at, point.data());
+      ++nodes_[at].points;
       if (nodes_[at].left == 0) break;
       at = point[nodes_[at].column] < nodes_[at].split ? nodes_[at].left : nodes_[at].right;
     }
@@ -157,7 +160,11 @@ class RotationIndex final : public NearestIndex::Implementation {
     rows_ = std::move(rows);
     for (Node& node : nodes_) node.renumber(ids, width_);
     // Children come after their parents.
-    for (std::size_t at = nodes_.size(); at-- > 0;) fit_box(at);
+    for (std::size_t at = nodes_.size(); at-- > 0;) {
+      Node& node = nodes_[at];
+      node.points = node.left == 0 ? node.ids.size() : nodes_[node.left].points + nodes_[node.right].points;
+      fit_box(at);
+    }
   }
 
   [[nodiscard]] std::size_t size() const override { return rows_.size(); }
@@ -202,12 +209,38 @@ class RotationIndex final : public NearestIndex::Implementation {
     std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   }
 
+  void nearest_distances(View q, std::span<double> squared) const override {
+    std::fill(squared.begin(), squared.end(), std::numeric_limits<double>::infinity());
+    if (squared.empty()) return;
+    visit(
+        q, [&] { return squared.back(); },
+        [&](const NearestIndex::Neighbour& candidate) {
+          if (candidate.squared_distance < squared.back()) insert_distance(candidate.squared_distance, squared);
+        });
+  }
+
+  [[nodiscard]] std::size_t count_within(View q, double squared) const override {
+    std::size_t found = 0;
+    visit(
+        q, [&] { return squared; },
+        [&](const NearestIndex::Neighbour& candidate) { found += candidate.squared_distance <= squared ? 1 : 0; },
+        [&](std::uint32_t at, const EmbeddedRow& y, double rounding) {
+          if (!exact_ || largest_ >= static_cast<float>(largest_coordinate)) return false;
+          const double reach = std::sqrt(greatest_distance(box(at), y.data())) + rounding;
+          if (relative_ * reach * reach > squared) return false;
+          found += nodes_[at].points;
+          return true;
+        });
+    return found;
+  }
+
  private:
   struct Node {
     std::uint32_t left = 0;  ///< 0 for a leaf: the root is no node's child
     std::uint32_t right = 0;
     std::size_t column = 0;
     float split = 0.0F;
+    std::size_t points = 0;          ///< below it
     std::vector<std::uint32_t> ids;  ///< of a leaf
     std::size_t room = 0;            ///< points that fit in `columns`, a multiple of `bucket`
     EmbeddedRow columns;             ///< of a leaf: its embedded points, one column after the other
@@ -324,6 +357,7 @@ class RotationIndex final : public NearestIndex::Implementation {
       for (std::size_t j = 0; j < width_; ++j) point[j] = nodes_[at].at(i, j);
       const std::uint32_t child = point[column] < middle ? left : right;
       nodes_[child].push(nodes_[at].ids[i], point.data(), width_);
+      ++nodes_[child].points;
       widen(child, point.data());
     }
     Node& node = nodes_[at];
@@ -351,6 +385,32 @@ class RotationIndex final : public NearestIndex::Implementation {
     for (const Part& circle : circles_) {
       const auto beside = [&](float x) { return std::max({lo[j] - x, x - hi[j], 0.0F}); };
       const float d = std::min({beside(y[j]), beside(y[j] - circle.length), beside(y[j] + circle.length)});
+      sum += d * d;
+      ++j;
+    }
+    return sum;
+  }
+
+  /// The squared distance of the farthest point that a box may contain, up to rounding.
+  [[nodiscard]] double greatest_distance(const float* lo, const float* y) const {
+    const float* hi = lo + width_;
+    const auto farther = [&](std::size_t j, float x) { return static_cast<double>(std::max(x - lo[j], hi[j] - x)); };
+    double sum = 0.0;
+    for (std::size_t j = 0; j < lines_.size(); ++j) sum += farther(j, y[j]) * farther(j, y[j]);
+    std::size_t j = first_rotation_;
+    for (const Part& rotation : rotations_) {
+      double same = 0.0, opposite = 0.0;
+      for (std::size_t k = 0; k < quad; ++k, ++j) {
+        same += farther(j, y[j]) * farther(j, y[j]);
+        opposite += farther(j, -y[j]) * farther(j, -y[j]);
+      }
+      // The sum of the squares of both chords is (2 scale)^2, so the lesser chord is at most the root of half of that.
+      const double s = std::min(0.5, std::min(same, opposite) * static_cast<double>(rotation.inverse));
+      const double distance = 2.0 * rotation.scale * std::asin(std::sqrt(s));
+      sum += distance * distance;
+    }
+    for (const Part& circle : circles_) {
+      const double d = std::min(farther(j, y[j]), 0.5 * static_cast<double>(circle.length));
       sum += d * d;
       ++j;
     }
@@ -404,19 +464,29 @@ class RotationIndex final : public NearestIndex::Implementation {
     return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
   }
 
+  struct NoNode {
+    bool operator()(std::uint32_t, const EmbeddedRow&, double) const { return false; }
+  };
+
   /// Calls `offer` for every point that may be within `limit()`, which decreases as points are found.
-  template <class Limit, class Offer>
-  void visit(View q, const Limit& limit, const Offer& offer) const {
+  /// \param whole  called for inner nodes, with q embedded and what rounding adds to a distance: whether their points
+  /// need
+  ///               not be offered
+  template <class Limit, class Offer, class Whole = NoNode>
+  void visit(View q, const Limit& limit, const Offer& offer, const Whole& whole = {}) const {
     if (nodes_.empty()) return;
     if (lines_.size() == 3 && circles_.empty() && rotations_.size() == 1) {
-      visit(q, limit, offer, std::integral_constant<std::size_t, 3>(), std::integral_constant<std::size_t, 1>());
+      constexpr std::integral_constant<std::size_t, 3> lines;
+      constexpr std::integral_constant<std::size_t, 1> rotations;
+      visit(q, limit, offer, whole, lines, rotations);
     } else {
-      visit(q, limit, offer, lines_.size(), rotations_.size());
+      visit(q, limit, offer, whole, lines_.size(), rotations_.size());
     }
   }
 
-  template <class Limit, class Offer, class Lines, class Rotations>
-  void visit(View q, const Limit& limit, const Offer& offer, Lines lines, Rotations rotations) const {
+  template <class Limit, class Offer, class Whole, class Lines, class Rotations>
+  void visit(View q, const Limit& limit, const Offer& offer, const Whole& whole, Lines lines,
+             Rotations rotations) const {
     thread_local Configuration row;
     thread_local EmbeddedRow y;
     thread_local std::vector<std::pair<float, std::uint32_t>> waiting;
@@ -470,6 +540,7 @@ class RotationIndex final : public NearestIndex::Implementation {
         }
         continue;
       }
+      if (whole(at, y, rounding)) continue;
       const std::pair<float, std::uint32_t> left = {box_distance(box(node.left), y.data(), lines, rotations),
                                                     node.left};
       const std::pair<float, std::uint32_t> right = {box_distance(box(node.right), y.data(), lines, rotations),
@@ -488,6 +559,7 @@ class RotationIndex final : public NearestIndex::Implementation {
   double relative_ = 1.0;           ///< what rounding may multiply a squared distance by
   double absolute_ = 0.0;           ///< what it may add to a distance, as a share of the largest coordinate
   float largest_ = 0.0F;            ///< the largest coordinate of the embedded points
+  bool exact_ = true;               ///< no scale differs from the metric's
   std::vector<Part> lines_, circles_, rotations_;
   std::vector<Node> nodes_;
   std::vector<float> boxes_;  ///< by node

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 #include "support/catch.hpp"
 
@@ -123,6 +126,71 @@ TEST_CASE("after points were removed, an index answers as one of the points that
       }
       index.within(q, 2.0 * space.diameter(), found);
       CHECK(found.size() == points.size());
+      CHECK(index.count_within(q, 0.01 * space.diameter() * space.diameter()) ==
+            fresh.count_within(q, 0.01 * space.diameter() * space.diameter()));
+    }
+  }
+}
+
+TEST_CASE("distances and counts agree with brute force, of indices that grew and that were built at once",
+          "[nearest]") {
+  for (const auto& space : spaces()) {
+    CAPTURE(space.name());
+    for (const std::size_t n : {0U, 1U, 2U, 15U, 16U, 17U, 33U, 500U, 3000U}) {
+      CAPTURE(n);
+      Stream stream(n, space.name(), "nearest");
+      Configurations points(space.dimension());
+      std::vector<double> rows;
+      NearestIndex grown(space);
+      Configuration q(space.dimension());
+      for (std::size_t i = 0; i < n; ++i) {
+        space.sample_uniform(stream, q);
+        // Clusters and ties stress the splits.
+        if (i % 3 == 0 && space.flat()) q[0] = space.axes()[0].lo;
+        if (i % 10 == 0 && i > 0) q = Configuration(points[i / 2].begin(), points[i / 2].end());
+        points.push(q);
+        grown.add(q);
+        rows.insert(rows.end(), q.begin(), q.end());
+      }
+      const NearestIndex built(space, rows);
+      REQUIRE(built.size() == n);
+      std::vector<double> found(5), of_grown(5);
+      std::vector<NearestIndex::Neighbour> near, near_grown;
+      for (int query = 0; query < 60; ++query) {
+        space.sample_uniform(stream, q);
+        if (query % 5 == 0 && space.flat()) q.back() = space.axes().back().lo;
+        const auto expected = sorted(space, points, q);
+        const double scale = space.diameter() * space.diameter();
+        built.nearest_distances(q, found);
+        grown.nearest_distances(q, of_grown);
+        CHECK(found == of_grown);
+        built.k_nearest(q, found.size(), near);
+        grown.k_nearest(q, found.size(), near_grown);
+        REQUIRE(near.size() == std::min(n, found.size()));
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          if (k >= n) {
+            CHECK(std::isinf(found[k]));
+            continue;
+          }
+          CHECK(found[k] == Approx(expected[k].squared_distance).epsilon(1e-9).margin(1e-15 * scale));
+          CHECK(near[k].squared_distance == found[k]);
+          CHECK(near[k].id == near_grown[k].id);
+        }
+        // Halfway between two distances no rounding can move a point over the border.
+        for (const std::size_t m : {std::size_t{1}, n / 10, n / 3, n / 2, 9 * n / 10, n - 1}) {
+          if (m == 0 || m >= n) continue;
+          const double least = expected[m - 1].squared_distance, next = expected[m].squared_distance;
+          if (next - least < 1e-9 * scale) continue;
+          CHECK(built.count_within(q, 0.5 * (least + next)) == m);
+          CHECK(grown.count_within(q, 0.5 * (least + next)) == m);
+        }
+        CHECK(built.count_within(q, 4.0 * scale) == n);
+        CHECK(grown.count_within(q, 4.0 * scale) == n);
+        // Without duplicates a radius that is exactly a distance counts its point.
+        for (std::size_t k = 0; k + 1 < std::min(n, found.size()); ++k) {
+          if (found[k] < found[k + 1]) CHECK(built.count_within(q, found[k]) == k + 1);
+        }
+      }
     }
   }
 }

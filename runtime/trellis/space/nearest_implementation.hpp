@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include <trellis/planner/nearest.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 
@@ -29,6 +30,8 @@ class NearestIndex::Implementation {
   [[nodiscard]] virtual double squared_distance(View point, View q) const = 0;
   virtual void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const = 0;
   virtual void within(View q, double radius, std::vector<Neighbour>& out) const = 0;
+  virtual void nearest_distances(View q, std::span<double> squared) const = 0;
+  [[nodiscard]] virtual std::size_t count_within(View q, double squared) const = 0;
 };
 
 /// The order of neighbours: by distance, then by id. A function object, so that the heap functions inline it.
@@ -37,6 +40,13 @@ struct NearerNeighbour {
     return a.squared_distance < b.squared_distance || (a.squared_distance == b.squared_distance && a.id < b.id);
   }
 };
+
+/// Puts a squared distance that is less than the last one among ascending ones.
+inline void insert_distance(double d, std::span<double> squared) {
+  std::size_t i = squared.size() - 1;
+  for (; i > 0 && squared[i - 1] > d; --i) squared[i] = squared[i - 1];
+  squared[i] = d;
+}
 
 /// Collects the k nearest of the candidates that a search offers.
 class NearestCollector {
