@@ -11,7 +11,7 @@
 
 #include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/efficiency.hpp>
-#include <trellis/measure/point_tree.hpp>
+#include <trellis/space/nearest.hpp>
 
 #include "support/catch.hpp"
 #include "verify/measure_cases.hpp"
@@ -269,7 +269,7 @@ TEST_CASE("trees and balls of every space agree with brute force", "[measure][la
       frame.to_metric(x, y);
       rows.insert(rows.end(), y.begin(), y.end());
     }
-    const measure::PointTree tree(frame, rows);
+    const NearestIndex tree(frame.rows(), rows);
     const measure::CutBall ball(frame, 4096);
     std::vector<double> all(points.size());
     std::vector<double> found(5);
@@ -278,7 +278,7 @@ TEST_CASE("trees and balls of every space agree with brute force", "[measure][la
       frame.to_metric(x, y);
       for (std::size_t i = 0; i < points.size(); ++i) all[i] = space.squared_distance(x, std::as_const(points)[i]);
       std::sort(all.begin(), all.end());
-      tree.nearest(y, found);
+      tree.nearest_distances(y, found);
       for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == Approx(all[k]).margin(1e-12));
       for (const double r : {0.3, 0.7, 1.5}) {
         // The margin is rounding: coordinates of flat spaces are scaled before distances.

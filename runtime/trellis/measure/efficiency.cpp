@@ -65,7 +65,7 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
 /// samples.
 void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   const Target& target = evaluation.target;
-  const measure::PointTree& atoms = evaluation.samples.atom_tree();
+  const NearestIndex& atoms = evaluation.samples.atom_tree();
   const double square = target.delta() * target.delta();
   const auto total = static_cast<double>(result.samples);
   double covered = 0.0;
@@ -76,7 +76,7 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
     double nearest = evaluation.neighbours[i * measure::Evaluation::neighbour_count];
     if (nearest > square && atoms.size() > 0) {
       double atom = 0.0;
-      atoms.nearest(evaluation.at(i), {&atom, 1});
+      atoms.nearest_distances(evaluation.at(i), {&atom, 1});
       nearest = std::min(nearest, atom);
     }
     covered += nearest <= square ? 1.0 : 0.0;
@@ -217,7 +217,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
       scoring.pool > 0 ? std::min(scoring.pool, target.pool().size()) : target.pool().size()};
   for (std::size_t i = 0; i < points; ++i) {
     poll(i);
-    samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
+    samples.tree().nearest_distances(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }
 
   bound_mass(result);

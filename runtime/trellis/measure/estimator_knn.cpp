@@ -54,7 +54,7 @@ class BlendedNeighbours {
   BlendedNeighbours(const KnnSettings& settings, const Evaluation& evaluation)
       : evaluation_(evaluation),
         target_(evaluation.target),
-        inside_(evaluation.frame(), evaluation.in_target.inside),
+        inside_(evaluation.frame().rows(), evaluation.in_target.inside),
         space_ball_(evaluation.frame(), space_points),
         target_ball_(evaluation.frame(), target_points),
         degrees_(evaluation.frame().degrees()),
@@ -83,7 +83,7 @@ class BlendedNeighbours {
     if (k_all_ <= Evaluation::neighbour_count) {
       kth = evaluation_.neighbours[i * Evaluation::neighbour_count + k_all_ - 1];
     } else {
-      evaluation_.samples.tree().nearest(y, std::span(squared_).first(k_all_));
+      evaluation_.samples.tree().nearest_distances(y, std::span(squared_).first(k_all_));
       kth = squared_[k_all_ - 1];
     }
     const double r = std::max(std::sqrt(kth), least_radius_);
@@ -91,7 +91,7 @@ class BlendedNeighbours {
                                     : log_unit_ball(degrees_) + static_cast<double>(degrees_) * std::log(r);
     const double plain = log_mass_all_ - volume;
     if (k_inside_ == 0) return plain;
-    inside_.nearest(y, std::span(squared_).first(k_inside_));
+    inside_.nearest_distances(y, std::span(squared_).first(k_inside_));
     const double in_tube = log_mass_inside_ - log_volume_in_target(i, y, squared_[k_inside_ - 1]);
     return share_ * in_tube + (1.0 - share_) * plain;
   }
@@ -139,7 +139,7 @@ class BlendedNeighbours {
 
   const Evaluation& evaluation_;
   const Target& target_;
-  PointTree inside_;
+  NearestIndex inside_;
   CutBall space_ball_;
   CutBall target_ball_;
   std::size_t degrees_;
@@ -150,8 +150,8 @@ class BlendedNeighbours {
   double log_mass_all_;
   double log_mass_inside_;
   double least_radius_;
-  std::vector<double> squared_;      // scratch
-  const PointTree* part_ = nullptr;  // of the pool, for wide balls
+  std::vector<double> squared_;         // scratch
+  const NearestIndex* part_ = nullptr;  // of the pool, for wide balls
 };
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace trellis::measure {
 
@@ -15,6 +17,13 @@ Frame::Frame(const Space& space) : space_(space) {
     period_.push_back(axis.periodic ? axis.weight * axis.period() : std::numeric_limits<double>::infinity());
     periodic_.push_back(axis.periodic ? 1 : 0);
   }
+}
+
+Space Frame::rows() const {
+  if (!flat()) return space_;
+  std::vector<Axis> axes = space_.axes();
+  for (Axis& axis : axes) axis = {axis.name, axis.weight * axis.lo, axis.weight * axis.hi, 1.0, axis.periodic};
+  return Space(space_.name(), std::move(axes));
 }
 
 void Frame::to_metric(View x, MutableView y) const {

@@ -21,6 +21,8 @@ class Frame {
   /// The number of coordinates of a row, and the number of degrees of freedom, by which volumes grow.
   [[nodiscard]] std::size_t dimension() const { return space_.dimension(); }
   [[nodiscard]] std::size_t degrees() const { return space_.degrees(); }
+  /// The space of the rows.
+  [[nodiscard]] Space rows() const;
   // The axes of a flat space.
   [[nodiscard]] double lo(std::size_t j) const { return lo_[j]; }
   [[nodiscard]] double hi(std::size_t j) const { return hi_[j]; }

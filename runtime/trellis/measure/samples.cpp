@@ -12,7 +12,7 @@
 namespace trellis {
 
 PreparedSamples::PreparedSamples(const Space& space, const Configurations& samples)
-    : space_(space), frame_(space), total_(samples.size()), tree_(frame_, {}), atom_tree_(frame_, {}) {
+    : space_(space), frame_(space), total_(samples.size()), tree_(space), atom_tree_(space) {
   const std::size_t d = space.dimension();
   if (!samples.empty() && samples.dimension() != d) {
     throw Error(fmt::format("measure: the samples have {} coordinates, the target's space {} has {}",
@@ -56,8 +56,8 @@ PreparedSamples::PreparedSamples(const Space& space, const Configurations& sampl
     i = end;
   }
   for (std::size_t i = 0; i < repeated.size(); ++i) distinct_.push(std::as_const(repeated)[i]);
-  tree_ = measure::PointTree(frame_, all_);
-  atom_tree_ = measure::PointTree(frame_, atoms_);
+  tree_ = NearestIndex(frame_.rows(), all_);
+  atom_tree_ = NearestIndex(frame_.rows(), atoms_);
 }
 
 namespace measure {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <trellis/measure/frame.hpp>
-#include <trellis/measure/point_tree.hpp>
 #include <trellis/measure/target.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 
@@ -27,11 +27,11 @@ class PreparedSamples {
   [[nodiscard]] std::size_t total() const { return total_; }
   /// Returns the samples within C that occur once, row by row in metric coordinates, sorted.
   [[nodiscard]] const std::vector<double>& all() const { return all_; }
-  [[nodiscard]] const measure::PointTree& tree() const { return tree_; }
+  [[nodiscard]] const NearestIndex& tree() const { return tree_; }
   /// Returns each configuration that occurs more than once, and its multiplicity.
   [[nodiscard]] const std::vector<double>& atoms() const { return atoms_; }
   [[nodiscard]] const std::vector<std::size_t>& copies() const { return copies_; }
-  [[nodiscard]] const measure::PointTree& atom_tree() const { return atom_tree_; }
+  [[nodiscard]] const NearestIndex& atom_tree() const { return atom_tree_; }
   /// Returns the configurations of `all`, then those of `atoms`.
   [[nodiscard]] const Configurations& distinct() const { return distinct_; }
 
@@ -42,7 +42,7 @@ class PreparedSamples {
   std::vector<double> all_, atoms_;
   std::vector<std::size_t> copies_;
   Configurations distinct_;
-  measure::PointTree tree_, atom_tree_;
+  NearestIndex tree_, atom_tree_;
 };
 
 namespace measure {

@@ -141,25 +141,25 @@ class Supporter {
   }
 
   /// A tree of samples first .. last - 1 of the random order.
-  [[nodiscard]] PointTree tree_of(std::size_t first, std::size_t last) const {
+  [[nodiscard]] NearestIndex tree_of(std::size_t first, std::size_t last) const {
     std::vector<double> rows;
     rows.reserve((last - first) * d_);
     for (std::size_t i = first; i < last; ++i) {
       const View y = sample(i);
       rows.insert(rows.end(), y.begin(), y.end());
     }
-    return {evaluation_.frame(), rows};
+    return {evaluation_.frame().rows(), rows};
   }
 
-  [[nodiscard]] static double nearest(const PointTree& tree, View y) {
+  [[nodiscard]] static double nearest(const NearestIndex& tree, View y) {
     double squared = 0.0;
-    tree.nearest(y, {&squared, 1});
+    tree.nearest_distances(y, {&squared, 1});
     return squared;
   }
 
   /// Distances to the samples first .. last - 1, of the points of the target and of the samples from .. to - 1.
   [[nodiscard]] Feature distances(std::size_t first, std::size_t last, std::size_t from, std::size_t to) const {
-    const PointTree tree = tree_of(first, last);
+    const NearestIndex tree = tree_of(first, last);
     Feature feature;
     for (std::size_t i = 0; i < points_; ++i) {
       poll(i);
@@ -285,7 +285,7 @@ class Supporter {
     const std::size_t half = tested / 2;
     const std::size_t looked_at = features_.size();
     for (std::size_t a = looked_at; a < target_.features().size(); ++a) {
-      const PointTree anchor(evaluation_.frame(), point(target_.pool().size() - 1 - (a - looked_at)));
+      const NearestIndex anchor(evaluation_.frame().rows(), point(target_.pool().size() - 1 - (a - looked_at)));
       add([&](std::size_t i) { return nearest(anchor, sample(i)); });
     }
     std::vector<Feature> all(features_.begin(), features_.end());
@@ -344,7 +344,7 @@ class Supporter {
     [[nodiscard]] const Frame& frame() const { return of_.evaluation_.frame(); }
     double by_tree(std::size_t i, std::size_t k) {
       squared_.resize(k);
-      tree_.nearest(of_.point(i), squared_);
+      tree_.nearest_distances(of_.point(i), squared_);
       return squared_.back();
     }
     double by_scan(std::size_t i, std::size_t k, std::vector<double>& kept) {
@@ -364,7 +364,7 @@ class Supporter {
     }
 
     const Supporter& of_;
-    PointTree tree_;  // of a space with rotations
+    NearestIndex tree_;  // of a space with rotations
     std::size_t size_;
     std::size_t kept_;
     std::vector<double> nearest_;  // of each point: the `kept_` nearest, in any order
@@ -376,7 +376,7 @@ class Supporter {
   void smooth(Neighbours& samples, std::size_t k, std::vector<double>& log_density) const {
     const auto count = static_cast<double>(samples.size());
     const double log_share = boost::math::digamma(static_cast<double>(k)) - std::log(count);
-    const PointTree& pool = target_.pool_tree(pool_expected * samples.size() / k);
+    const NearestIndex& pool = target_.pool_tree(pool_expected * samples.size() / k);
     const std::vector<double> radii = samples.kth(k);
     for (std::size_t i = 0; i < log_density.size(); ++i) {
       poll(i);

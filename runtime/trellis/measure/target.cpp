@@ -16,9 +16,9 @@
 #include <trellis/base/polling.hpp>
 #include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
-#include <trellis/measure/point_tree.hpp>
 #include <trellis/measure/target_feature.hpp>
 #include <trellis/measure/tube.hpp>
+#include <trellis/space/nearest.hpp>
 
 namespace trellis {
 
@@ -159,7 +159,7 @@ const Settings<ProgressSettings>& progress_settings() {
 struct Target::PoolTrees {
   static constexpr std::size_t least = 1024;
   std::array<std::once_flag, 32> built;
-  std::array<std::unique_ptr<const measure::PointTree>, 32> trees;
+  std::array<std::unique_ptr<const NearestIndex>, 32> trees;
   std::once_flag features_made;
   std::vector<measure::TargetFeature> features;
 };
@@ -317,7 +317,7 @@ void Target::finish() {
   }
 }
 
-const measure::PointTree& Target::pool_tree(std::size_t points) const {
+const NearestIndex& Target::pool_tree(std::size_t points) const {
   std::size_t i = 0;
   std::size_t size = PoolTrees::least;
   while (3 * size < 2 * points && size < pool_.size()) {
@@ -329,8 +329,8 @@ const measure::PointTree& Target::pool_tree(std::size_t points) const {
     i = pool_trees_->trees.size() - 1;
   }
   std::call_once(pool_trees_->built[i], [&] {
-    pool_trees_->trees[i] = std::make_unique<const measure::PointTree>(
-        measure::Frame(space_), std::span(pool_rows_).first(size * space_.dimension()));
+    pool_trees_->trees[i] = std::make_unique<const NearestIndex>(
+        measure::Frame(space_).rows(), std::span(pool_rows_).first(size * space_.dimension()));
   });
   return *pool_trees_->trees[i];
 }
@@ -365,10 +365,10 @@ const std::vector<measure::TargetFeature>& Target::features() const {
       for (std::size_t j = 0; j < d; ++j) add([j](View y) { return y[j]; });
     }
     for (std::size_t a = 0; a < std::min(TargetFeature::anchors, count); ++a) {
-      const measure::PointTree anchor(frame, row(pool_.size() - 1 - a));
+      const NearestIndex anchor(frame.rows(), row(pool_.size() - 1 - a));
       add([&](View y) {
         double squared = 0.0;
-        anchor.nearest(y, {&squared, 1});
+        anchor.nearest_distances(y, {&squared, 1});
         return squared;
       });
     }

@@ -14,8 +14,9 @@
 
 namespace trellis {
 
+class NearestIndex;
+
 namespace measure {
-class PointTree;
 struct TargetFeature;
 class Tube;
 }  // namespace measure
@@ -146,7 +147,7 @@ class Target {
   [[nodiscard]] const std::vector<double>& pool_rows() const { return pool_rows_; }
   /// Returns a tree, for counting points in balls, of about the first `points` points of the pool: 2/3 to 4/3 of them,
   /// at least 1024; the whole pool if that is at most twice as many. The target builds each tree once. Thread-safe.
-  [[nodiscard]] const measure::PointTree& pool_tree(std::size_t points) const;
+  [[nodiscard]] const NearestIndex& pool_tree(std::size_t points) const;
   /// Returns functions of the configurations at the first points of the pool: of a tube, arc length and distance from
   /// the path; in a flat space, each axis; then the squared distances to the last points of the pool. The target
   /// computes them once. Thread-safe.
