@@ -140,17 +140,28 @@ NR == 1 { folder_count = split(folders, folder, ":") }
   for (i = 1; i <= parts; i++) includes[$2, part[i]] = 1
 }
 
+# Sources that clash with many others choose their groups first, which makes fewer groups.
 END {
-  for (at = 1; at <= count; at++) {
+  for (a = 1; a <= count; a++) {
+    for (b = 1; b < a; b++) {
+      if (kind[a] != kind[b] || !(shadows(source[a], source[b]) || shadows(source[b], source[a]))) continue
+      clash[a, b] = clash[b, a] = 1
+      clashes[a]++
+      clashes[b]++
+      if (clashes[a] > most_clashes) most_clashes = clashes[a]
+      if (clashes[b] > most_clashes) most_clashes = clashes[b]
+    }
+  }
+  for (number = most_clashes + 0; number >= 0; number--) for (at = 1; at <= count; at++) if (clashes[at] + 0 == number) {
     for (group = 1; group <= groups; group++) {
       if (of[group] != kind[at] || size[group] + lines_of[source[at]] > most) continue
       members = split(substr(members_of[group], 2), member)
-      for (i = 1; i <= members; i++) if (shadows(source[at], member[i]) || shadows(member[i], source[at])) break
+      for (i = 1; i <= members; i++) if ((at, member[i]) in clash) break
       if (i > members) break
     }
     if (group > groups) of[groups = group] = kind[at]
     size[group] += lines_of[source[at]]
-    members_of[group] = members_of[group] FS source[at]
+    members_of[group] = members_of[group] FS at
     print source[at] "\t" group
   }
 }
