@@ -27,8 +27,11 @@ class Stream {
   /// Returns a uniform number on [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   /// Returns a uniform number on [lo, hi).
+  /// \param lo  finite, included
+  /// \param hi  finite, greater than `lo`; rounding may give it for a narrow interval
   double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
   /// Returns a uniform integer of {0, ..., n-1}; n > 0. The bias is below n / 2^64.
+  /// \param n  greater than 0, which is not checked; 0 gives 0
   std::size_t below(std::size_t n) {
     __extension__ using Wide = unsigned __int128;
     return static_cast<std::size_t>((static_cast<Wide>(bits()) * n) >> 64U);
@@ -48,6 +51,7 @@ class Stream {
 };
 
 /// FNV-1a, 64 bits: a stable hash of bytes, the same on every machine.
+/// \param bytes  of any content; zero bytes count
 std::uint64_t stable_hash(std::string_view bytes);
 
 }  // namespace trellis

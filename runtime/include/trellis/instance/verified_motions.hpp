@@ -9,8 +9,10 @@
 namespace trellis {
 
 /// A hash of the configuration.
+/// \param q  bits count: 0 and -0 differ
 std::uint64_t configuration_digest(View q);
 /// A hash of the motion; equal for (a, b) and (b, a), which have the same dimension.
+/// \param a, b  the ends, in either order
 std::uint64_t motion_digest(View a, View b);
 
 /// Motions that a check found valid, so that no search checks them again. A lazily validated path costs its checks
@@ -19,6 +21,7 @@ std::uint64_t motion_digest(View a, View b);
 class VerifiedMotions {
  public:
   /// Clears the set unless it belongs to this epoch.
+  /// \param epoch  of the instance (Instance::epoch)
   void hold_at(std::uint64_t epoch) {
     if (epoch == epoch_) return;
     epoch_ = epoch;
@@ -28,6 +31,7 @@ class VerifiedMotions {
   /// \param a, b  the ends of a valid motion, configurations of the space
   void add(View a, View b) { known_.insert(motion_digest(a, b)); }
   /// Whether the motion from a to b, or back, was added.
+  /// \param a, b  the ends, compared bit by bit
   [[nodiscard]] bool contain(View a, View b) const { return known_.contains(motion_digest(a, b)); }
 
  private:

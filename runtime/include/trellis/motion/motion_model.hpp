@@ -42,24 +42,34 @@ class MotionModel {
   [[nodiscard]] double dt() const { return dt_; }
 
   /// Computes f(x, u) into `rate`.
-  /// \param x,  rate  `dimension` numbers, as those of all states below; another size is undefined behaviour
+  /// \param x  a state: `dimension` numbers, as all states below; another size is undefined behaviour
   /// \param u  a number for each control, as all controls below
+  /// \param rate  receives `dimension` numbers, per second
   virtual void derivative(View x, View u, MutableView rate) const = 0;
   /// Returns the work of a step: CPU time in units of 0.07 us, as costs count it.
   [[nodiscard]] virtual double step_work() const { return 0.5; }
   /// Whether a state satisfies those limits of the model that are not bounds of single axes.
+  /// \param x  a state
   [[nodiscard]] virtual bool admits(View x) const {
     static_cast<void>(x);
     return true;
   }
 
   /// Whether u has one coordinate for each control, each within its bounds.
+  /// \param u  of any size
   [[nodiscard]] bool allows(View u) const;
   /// Clamps each control to its bounds.
+  /// \param u  a number for each control, not NaN; changed in place
   void clamp(MutableView u) const;
   /// Draws each control uniformly between its bounds.
+  /// \param stream  draws a number for each control
+  /// \param u  receives the control
   void sample_control(Stream& stream, MutableView u) const;
   /// Takes one explicit Euler step and normalises the angles. `out` may be `x`.
+  /// \param space  the state space, in which the result is normalised
+  /// \param x  the state before the step
+  /// \param u  the control, constant during the step; its bounds are not checked
+  /// \param out  receives the state after the step, `dimension` numbers
   void step(const Space& space, View x, View u, MutableView out) const;
 
  protected:
@@ -87,11 +97,19 @@ struct Trajectory {
 
 /// Returns the states of a trajectory: the start, and the state after each step. The result equals that of the
 /// planner's propagation bit for bit.
+/// \param model  of the trajectory
+/// \param space  the state space of the model
+/// \param start  a state
+/// \param trajectory  as many entries of `steps` as rows of `controls`; its `dt` is not read
+/// \return one row more than the trajectory has steps
 /// \throws Error for a control out of its bounds.
 Configurations replay(const MotionModel& model, const Space& space, View start, const Trajectory& trajectory);
 
 /// Returns the state space of a model over a space of configurations.
-/// \throws Error where the model's configuration does not fit the space.
+/// \param configurations  flat
+/// \param model  its velocities become the last axes
+/// \return `configurations` itself where the model has no velocities
+/// \throws Error where the model's configuration has another number of coordinates than the space
 Space state_space(const Space& configurations, const MotionModel& model);
 
 /// One kind of motion model: its description and its factory.
@@ -103,6 +121,8 @@ struct MotionKind {
 /// Returns all motion models, in the order of the reference.
 const std::vector<MotionKind>& motion_kinds();
 /// Returns the model with this name; nullptr for an unknown name.
+/// \param name  as in scripts: "unicycle1"
+/// \return valid as long as the program
 const MotionKind* find_motion(std::string_view name);
 
 }  // namespace trellis

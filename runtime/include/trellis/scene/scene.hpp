@@ -53,6 +53,9 @@ class Scene {
   [[nodiscard]] virtual double magnitude() const = 0;
   [[nodiscard]] virtual std::size_t obstacle_count() const = 0;
   /// Returns the obstacle's name in messages: "obstacle 3 (box 4 0 6 4.75)".
+  /// \param obstacle  from 0 to obstacle_count() - 1
+  /// \return valid as long as the scene
+  /// \throws std::out_of_range for another index
   [[nodiscard]] virtual const std::string& obstacle_name(std::size_t obstacle) const = 0;
   /// Returns the obstacle with the least thickness, of the parts of a planar polygon that is not convex the least one;
   /// of a mesh along its axes. Surfaces have none. Clouds of points are left out. None without obstacles.
@@ -74,6 +77,7 @@ class Scene {
   [[nodiscard]] virtual double inscribed_radius() const = 0;
   [[nodiscard]] virtual std::size_t body_count() const = 0;
   /// Returns "link 2", or "body 2" where it has no name.
+  /// \param body  from 0 to body_count() - 1
   [[nodiscard]] virtual std::string body_name(std::size_t body) const = 0;
 
   /// The robots of a team, in the order of their first coordinates; none, or one, of a robot alone.
@@ -88,9 +92,11 @@ class Scene {
   /// Returns the scene of a smaller robot: scaled about its reference point, or with thinner links where it is fixed to
   /// its base.
   /// \param scale  in (0, 1]
+  /// \throws Error for a scale that is not greater than 0
   [[nodiscard]] virtual std::shared_ptr<const Scene> shrunken(double scale) const = 0;
   /// Returns the scene with some of its obstacles.
-  /// \param kept  ascending indices
+  /// \param kept  ascending indices, from 0 to obstacle_count() - 1; none: the scene is without obstacles
+  /// \throws std::out_of_range for an index of no obstacle
   [[nodiscard]] virtual std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const = 0;
   /// Returns the world with a point instead of the robot.
   [[nodiscard]] virtual std::shared_ptr<const Scene> of_point() const = 0;
@@ -100,6 +106,7 @@ class Scene {
   /// \param kept  ascending; those beyond the robot's own are ignored
   [[nodiscard]] virtual std::shared_ptr<const Scene> reduced(const std::vector<std::size_t>& kept) const = 0;
   /// Returns the scene with obstacles that lost all points within `distance` metres of their boundary.
+  /// \param distance  in metres, at least 0
   /// \throws Error where an obstacle cannot be eroded
   [[nodiscard]] virtual std::shared_ptr<const Scene> eroded(double distance) const = 0;
   /// Returns the scene with near obstacles merged into their convex hulls.
@@ -118,6 +125,9 @@ class Scene {
 template <class W, class R>
 class SceneOf : public Scene {
  public:
+  /// Makes the scene; does not check that the robot fits into the world.
+  /// \param w  a world; copies of it share their content
+  /// \param r  a robot of the same dimension of the workspace
   SceneOf(W w, R r) : world(std::move(w)), robot(std::move(r)) {}
 
   W world;

@@ -40,13 +40,22 @@ class PlanarScene final : public SceneOf<World, Robot> {
 };
 
 /// Returns the scene as a planar one.
+/// \param scene  of any kind
+/// \return the same object, valid as long as `scene`
 /// \throws Fault where it is not planar: the caller works in the plane alone and did not refuse it
 const PlanarScene& planar(const Scene& scene);
 /// As `planar`, for a shared scene.
+/// \param scene  not nullptr; the result shares its ownership
+/// \throws Fault where it is not planar
 std::shared_ptr<const PlanarScene> planar_scene(std::shared_ptr<const Scene> scene);
 
 /// Returns the default space of a robot in a world: R^2 without turning, SE(2) with one angle, R^2 x SO(2)^k otherwise
-/// (SO(2)^k for a fixed base); an angle with limits is a bounded axis, R. `weight` in metres per radian.
+/// (SO(2)^k for a fixed base); an angle with limits is a bounded axis, R. Of a team, the product of its members'
+/// spaces.
+/// \param robot  alone or a team; its limits are bounds of axes
+/// \param world  its bounds are those of x and y
+/// \param weight  metres of the metric per radian, greater than 0
+/// \throws Error for another weight
 Space default_space(const Robot& robot, const World& world, double weight);
 
 }  // namespace trellis

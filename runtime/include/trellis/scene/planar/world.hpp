@@ -29,7 +29,9 @@ class World {
   World() : World(Box2{{0, 0}, {1, 1}}, {}) {}
   /// Validates the obstacles (finite, positive extents and radii, simple polygons) and splits non-convex polygons into
   /// convex parts.
-  /// \throws Error that names the obstacle.
+  /// \param bounds  metres, within `most_distant` of 0 and with an area
+  /// \param obstacles  may overlap each other and the boundary; one without a name is called "obstacle 1" by its number
+  /// \throws Error that names the obstacle, or the boundary, and for too many obstacles
   World(Box2 bounds, std::vector<Obstacle> obstacles);
 
   /// The rectangle that the robot is in, metres.

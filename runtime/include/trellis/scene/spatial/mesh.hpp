@@ -35,6 +35,8 @@ class Mesh {
   /// greater than 0); merges vertices with the same coordinates and drops unused ones. Triangles of a closed mesh that
   /// run clockwise from outside are turned: an outermost component that does is turned with all inside it. So a
   /// clockwise component inside a counter-clockwise one stays: it is a cavity.
+  /// \param vertices  metres
+  /// \param triangles  indices into `vertices`, from 0 on; at least one
   /// \param what  the mesh's name in messages
   /// \throws Error that names the vertex or the triangle, counted from 1
   Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const std::string& what);
@@ -50,11 +52,15 @@ class Mesh {
   /// Returns the volume of a closed mesh in cubic metres, 0 of another.
   [[nodiscard]] double volume() const;
   /// Returns the mesh scaled by `factor` > 0 about the origin.
-  /// \throws Error where vertices would leave `most_distant`
+  /// \param factor  finite, greater than 0
+  /// \throws Error for a factor that is not greater than 0, and where vertices would leave `most_distant`
   [[nodiscard]] Mesh scaled(double factor) const;
 
   /// Returns the convex hull of points, as a mesh.
-  /// \throws Error where all points lie in a plane within rounding
+  /// \param points  metres, at least four
+  /// \param what  the mesh's name in messages
+  /// \throws Error for too many points or one outside `most_distant`, and where all points lie in a plane within
+  ///     rounding
   static Mesh hull(const std::vector<Vec3>& points, const std::string& what);
 
  private:
@@ -72,10 +78,18 @@ class Mesh {
 
 /// Whether p lies inside a closed mesh, cavities left out; a point of the surface may count either direction. False for
 /// a mesh that is not closed. It takes time proportional to the number of triangles.
+/// \param mesh  closed or not
+/// \param p  metres, in the mesh's frame
 bool contains(const Mesh& mesh, const Vec3& p);
 /// Returns the distance of p from the mesh's surface, in time proportional to the number of triangles.
+/// \param mesh  closed or not
+/// \param p  metres, in the mesh's frame
+/// \return metres; greater than 0 for a point inside, too
 double distance_to_surface(const Mesh& mesh, const Vec3& p);
-/// Returns the distance of p from the triangle a b c.
+/// Returns the distance of p from the triangle a b c, in metres. Source: Ericson, Real-Time Collision Detection, 2005,
+/// section 5.1.5.
+/// \param p  the point
+/// \param a, b, c  the corners, with an area greater than 0, in either order
 double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace trellis

@@ -22,6 +22,7 @@ class PointCloud {
   static constexpr std::size_t most_points = 5'000'000;
 
   /// Validates the points (finite, within `most_distant`) and the radius, and leaves repeated points out.
+  /// \param points  metres, at least one and at most `most_points`
   /// \param radius  of the balls, in metres, greater than 0
   /// \param what    the cloud's name in messages
   /// \throws Error that names the point, counted from 1
@@ -36,11 +37,15 @@ class PointCloud {
 
   /// Returns a cloud of some of the points whose balls contain those of this one. A point is left out only where one
   /// that stays is at most `spacing` metres away; the radius grows by the largest such distance.
+  /// \param spacing  in metres; so small that no point is left out, 0 and less too, it gives the same cloud
   [[nodiscard]] PointCloud thinned(double spacing) const;
   /// Returns the cloud scaled by `factor` > 0 about the origin.
-  /// \throws Error where points would leave `most_distant`
+  /// \param factor  of points and radius
+  /// \throws Error for a factor that is not greater than 0, and where points or the radius would leave `most_distant`
   [[nodiscard]] PointCloud scaled(double factor) const;
   /// Returns the same points with balls of another radius, greater than 0.
+  /// \param radius  in metres, at most `most_distant`
+  /// \throws Error for another radius
   [[nodiscard]] PointCloud with_radius(double radius) const;
 
   /// Where the nearest point is.
@@ -49,8 +54,12 @@ class PointCloud {
     std::size_t index = 0;                                      ///< of points()
   };
   /// Returns the nearest of the points that are nearer than `at_most` metres; else that distance, and no index.
+  /// \param p  metres, in the frame of the points
+  /// \param at_most  in metres; infinity: any distance
   [[nodiscard]] Nearest nearest(const Vec3& p, double at_most = std::numeric_limits<double>::infinity()) const;
   /// Calls `visit` with the indices of points, all that lie in the box among them, until it returns false.
+  /// \param box  metres, closed, in the frame of the points
+  /// \param visit  receives an index into points() and returns whether to continue
   void each_near(const Box3& box, const std::function<bool(std::size_t)>& visit) const;
 
  private:

@@ -25,11 +25,15 @@ class Robot3 {
     std::size_t number = 0;               ///< in messages and scripts, from 1 on
 
     /// Returns its part of a configuration of the team.
+    /// \param q  a configuration of the team
+    /// \return valid as long as `q`
     [[nodiscard]] View own(View q) const { return q.subspan(column, robot->dimension()); }
   };
 
   /// A point.
   Robot3() : Robot3("point", {Solid{Sphere{0.0}, {}}}, false) {}
+  /// \param name  in messages, as "body"
+  /// \param solids  in the frame of the reference point; they may overlap
   /// \param rotates  whether configurations have an orientation: SE(3), else R^3
   /// \throws Error without solids, or where one is malformed
   Robot3(std::string name, std::vector<Solid> solids, bool rotates = true);
@@ -37,10 +41,12 @@ class Robot3 {
   static Robot3 point() { return {}; }
 
   /// Returns a team: bodies in one world that must not touch each other. A team among them joins with its members.
+  /// \param robots  in the order of their coordinates and numbers
   /// \throws Error for less than two robots, more than `most_members`, or a point, which nothing can touch
   static Robot3 team(const std::vector<Robot3>& robots);
   /// The members that remain of a team, with the coordinates that they have there and their numbers; a robot alone
   /// where one remains whose coordinates come first.
+  /// \param members  in the order of their columns
   static Robot3 team_of(std::vector<Member> members);
   static constexpr std::size_t most_members = 64;
   /// Returns the team in which the two robots of each of some pairs pass through each other, and so in all that is made
@@ -64,6 +70,9 @@ class Robot3 {
   /// Returns the number of coordinates of a configuration: 3 or 7, of a team their sum.
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
   /// Returns the robot scaled by `factor` > 0 about its reference point; of a team each robot about its own.
+  /// \param factor  finite, greater than 0
+  /// \throws Error for a factor that is not greater than 0, and where solids become too large or too small for the
+  ///     precision of coordinates
   [[nodiscard]] Robot3 scaled(double factor) const;
   /// Returns the largest distance of the robot's points from its reference point; of a team the largest of its robots'.
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
@@ -73,9 +82,11 @@ class Robot3 {
 
   /// Returns the pose of the body at q. Requires a robot alone.
   /// \param q  `dimension` numbers, as a and b below; fewer are undefined behaviour
+  /// \throws Fault for a team
   [[nodiscard]] Pose3 pose(View q) const;
   /// Returns a bound, in metres, on how far the robot's points move on the shortest motion from a to b: translation
   /// plus radius times turn; of a team the largest of its robots'.
+  /// \param a, b  the ends of the motion
   [[nodiscard]] double displacement_bound(View a, View b) const;
 
  private:

@@ -44,6 +44,8 @@ class SpatialScene final : public SceneOf<World3, Robot3> {
 };
 
 /// Returns the scene as one of space.
+/// \param scene  of any kind
+/// \return the same object, valid as long as `scene`
 /// \throws Fault where it is planar: the caller works in space alone and did not refuse it
 const SpatialScene& spatial(const Scene& scene);
 

@@ -49,26 +49,43 @@ struct Solid {
 };
 
 /// Validates numbers: finite, within `most_distant`, extents and radii greater than 0, a pose with a unit quaternion.
+/// \param solid  in metres; a mesh or a cloud of points that is nullptr fails
 /// \param what  the solid's name in messages
 /// \param point  whether a sphere may have radius 0
 /// \throws Error that names the solid
 void check_solid(const Solid& solid, const std::string& what, bool point = false);
+/// Checks that the sizes of a solid are above the precision of coordinates.
+/// \param solid  valid (check_solid)
+/// \param farthest  in metres: the greatest absolute coordinate that occurs with the solid
+/// \param what  the solid's name in messages
 /// \throws Error that starts with `what` for a solid below the precision of coordinates of up to `farthest` metres
 ///     (check_size); a mesh may be flat
 void check_precision(const Solid& solid, double farthest, const std::string& what);
 /// Returns the greatest absolute coordinate of a box.
+/// \param box  metres
 double farthest_of(const Box3& box);
 
 /// Returns the smallest box along the axes that contains the solid.
+/// \param solid  valid (check_solid)
 Box3 bounding_box(const Solid& solid);
 /// Returns the largest distance of a point of the solid from the origin.
+/// \param solid  valid (check_solid)
+/// \return metres
 double farthest_from_origin(const Solid& solid);
+/// Checks that the solid may be a part of a robot.
+/// \param solid  of any shape
+/// \param what  the solid's name in messages
 /// \throws Error that starts with `what` where the solid is a cloud of points
 void check_no_cloud(const Solid& solid, const std::string& what);
 /// Returns the distance of p from the solid in metres, 0 inside; of a mesh that is not closed the distance from its
 /// surface. Takes time proportional to the number of a mesh's triangles.
+/// \param solid  valid (check_solid)
+/// \param p  metres, in the frame that the solid's pose is given in
 double distance_to(const Solid& solid, const Vec3& p);
 /// Returns the solid scaled by `factor` > 0 about the origin.
+/// \param solid  valid (check_solid)
+/// \param factor  finite; sizes, and the position of the pose, are multiplied by it
+/// \throws Error where vertices or points would leave `most_distant`
 Solid scaled(const Solid& solid, double factor);
 
 }  // namespace trellis

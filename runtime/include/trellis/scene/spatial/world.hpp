@@ -33,10 +33,13 @@ class World3 {
   /// An empty cube of 1 m.
   World3() : World3(Box3{{0, 0, 0}, {1, 1, 1}}, {}) {}
   /// Validates the bounds and the obstacles.
+  /// \param bounds  metres, within `most_distant` of 0 and with a volume
+  /// \param obstacles  may overlap each other and the boundary; one without a name is called "obstacle 1" by its number
+  /// \param contain  what the bounds must contain at each valid configuration
   /// \param surface  whether a closed mesh is only its surface, so that a body inside it is not in collision, as in
   ///     FCL and in planners that use it directly
   /// \param stated  whether the user stated `contain`; else `for_fixed_base` may change it
-  /// \throws Error that names the obstacle
+  /// \throws Error that names the obstacle, or the boundary, and for too many obstacles
   World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain = Contain::robot, bool surface = false,
          bool stated = true);
 
@@ -48,6 +51,8 @@ class World3 {
   /// Whether a closed mesh is only its surface.
   [[nodiscard]] bool surface() const { return content_->surface; }
   /// Returns a world with these obstacles and otherwise the same.
+  /// \param obstacles  replace the present ones
+  /// \throws Error that names the obstacle
   [[nodiscard]] World3 with(std::vector<Obstacle3> obstacles) const {
     return {bounds(), std::move(obstacles), contain(), surface(), content_->stated};
   }
