@@ -54,6 +54,9 @@ class MotionClearance {
   /// Returns the bits of the configurations at which everything is certainly farther from the robot than `margin`
   /// metres plus its displacement on `half` of the motion.
   /// \param shares  parameters on the motion, at most `lanes`
+  /// \param half  share of the motion, in (0, 0.5]
+  /// \param margin  in metres, finite
+  /// \return bit i is set for `shares[i]`; a bit that is not set decides nothing
   [[nodiscard]] virtual unsigned apart(std::span<const double> shares, double half, double margin) = 0;
 
   struct Near {
@@ -66,10 +69,15 @@ class MotionClearance {
   /// about the interval, because it costs as much as many configurations that `apart` decides.
   [[nodiscard]] virtual std::optional<double> measured_from() const { return std::nullopt; }
   /// Returns the distance at a parameter. Distances of at least `at_most` plus the displacement may count as that.
+  /// \param share  parameter on the motion, in (0, 1)
+  /// \param half  share of the motion, in (0, 0.5]
+  /// \param at_most  in metres; infinity: the distance is computed in any case
   [[nodiscard]] virtual Near near(double share, double half, double at_most) = 0;
 };
 
 /// Adds one motion to a certificate.
+/// \param certificate  valid so far; receives distances, checks and the place where the motion is refuted
+/// \param motion  the robot's distances on the motion; used during the call only
 /// \param displacement  in metres, of the robot's points on the whole motion, at most
 /// \param first  in metres: the length of the intervals that are tried first
 /// \param breaks  ascending parameters inside (0, 1) at which the robot jumps, because an axis wraps

@@ -73,20 +73,31 @@ class Checker {
   virtual ~Checker() = default;
 
   /// Whether q is valid, as defined above.
+  /// \param q  any coordinates, NaN and infinity too
   [[nodiscard]] virtual bool valid(View q) const = 0;
   /// Validates the motion from a to b.
   /// \param a  valid; it is not checked
+  /// \param b  the end, which is checked
+  /// \throws Error for a motion whose n exceeds 2^26
   [[nodiscard]] MotionReport motion(View a, View b) const { return validate(a, b, 0); }
   /// The same where n is known.
+  /// \param a  valid; it is not checked
+  /// \param b  the end, which is checked
   /// \param n  as defined above; 0: it is computed
+  /// \throws Error for a motion whose n exceeds 2^26
   [[nodiscard]] virtual MotionReport validate(View a, View b, std::uint32_t n) const = 0;
   /// Returns n as defined above: what `motion` checks at most.
+  /// \param a, b  the ends of the motion
+  /// \throws Error for a motion whose n exceeds 2^26
   [[nodiscard]] virtual std::uint32_t most_checks(View a, View b) const = 0;
   /// Adds the motion from a to b, both included, to a certificate that is valid so far. What has no collision geometry,
   /// the bounds of the space and limits of a motion model, is not part of it.
+  /// \param a, b  the ends of the motion
+  /// \param certificate  not refuted; receives distances, checks and the place where the motion is refuted
   virtual void certify(View a, View b, Certificate& certificate) const = 0;
   /// Returns the distance in metres from the robot at q to the nearest obstacle or, from inside, to the boundary, and
   /// between the bodies of self-collision pairs; 0 in collision.
+  /// \param q  finite coordinates
   [[nodiscard]] virtual double clearance(View q) const = 0;
   /// Returns the obstacle of the world that is nearest to the robot at q; none without obstacles. Unlike `clearance` it
   /// considers neither the boundary nor self-collision pairs.
@@ -95,12 +106,14 @@ class Checker {
   /// Returns a lower bound, in the space's metric, on the distance from q to the nearest valid configuration: every
   /// nearer configuration is invalid too. 0 where q is valid or the checker has no bound; at most the diameter of the
   /// space. Does not decide validity: call it at an invalid configuration.
+  /// \param q  invalid; it is not checked
   [[nodiscard]] virtual double invalid_radius(View q) const {
     static_cast<void>(q);
     return 0.0;
   }
   /// Returns the contact of the robot at q, the first in the order of bodies and obstacles, then of self-collision
   /// pairs; none when q is valid.
+  /// \param q  valid or not
   [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;
   /// Returns what its checks cost.
   [[nodiscard]] virtual CheckCost cost() const = 0;
@@ -108,30 +121,56 @@ class Checker {
 
 /// Returns Trellis' own backend: separating axes and exact distances, eight poses of a motion per step. A grid over the
 /// obstacles culls them by the swept box of the motion.
+/// \param scene  not nullptr; the checker shares its ownership
+/// \param space  copied; its first coordinates are the robot's
 /// \param resolution  of all backends: metres that the robot's fastest point moves between two checked configurations
 /// \throws Fault for a scene that is not of the plane
+/// \throws Error for a resolution that is not finite and greater than 0, a robot without bodies, and a space with fewer
+///     coordinates than the robot
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// Returns the FCL backend: the planar parts as prisms in a dynamic tree. Only fcl_checker.cpp includes FCL.
+/// \param scene  planar, not nullptr; the checker shares its ownership
+/// \param space  copied; its first coordinates are the robot's
+/// \param resolution  as of make_planar_checker
+/// \throws Error as make_planar_checker
+/// \throws Fault for a scene that is not of the plane
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// Returns the FCL backend of space, for rigid bodies among solids and meshes.
+/// \param scene  of bodies in space, not nullptr; the checker shares its ownership
+/// \param space  copied; its first coordinates are the robot's
+/// \param resolution  as of make_planar_checker
 /// \param filtered  whether sphere covers and a distance field decide what they can before FCL; same answers and counts
+/// \throws Error as make_planar_checker
+/// \throws Fault for a scene that is not of bodies in space
 std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                               bool filtered = true);
 /// Returns the backend of manipulators: balls among the obstacles of space, and against each other.
+/// \param scene  of a manipulator, not nullptr; the checker shares its ownership
+/// \param space  copied; its first coordinates are the robot's
+/// \param resolution  as of make_planar_checker
+/// \throws Error as make_planar_checker
 std::unique_ptr<Checker> make_sphere_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// Returns the names of the backends of a scene, its default first: "planar" and "fcl" in the plane, "fcl" and
 /// "fcl_plain" of bodies in space, "spheres" of manipulators.
+/// \param scene  of any kind
 std::vector<std::string> collision_backends(const Scene& scene);
 /// Returns a backend by name.
-/// \throws Error for a name that the scene has not.
+/// \param backend  a name of collision_backends()
+/// \param scene  not nullptr; the checker shares its ownership
+/// \param space  copied; its first coordinates are the robot's
+/// \param resolution  as of make_planar_checker
+/// \throws Error for a name that the scene has not, and as make_planar_checker
 std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
                                       const Space& space, double resolution);
 
 /// Describes the contact: "obstacle 3 (box 4 0 6 4.75)", "the world's boundary" or "itself (link 1 meets link 3)".
+/// \param contact  in `scene`
+/// \param scene  names the bodies and the obstacles
 std::string describe(const Contact& contact, const Scene& scene);
 
 /// Returns the order in which checkers visit the configurations 1..n of a motion: n, then midpoints level by level.
 /// Maps the 0-based rank to the index.
+/// \param n  number of configurations; 0 gives none
 std::vector<std::uint32_t> bisection_order(std::uint32_t n);
 
 }  // namespace trellis

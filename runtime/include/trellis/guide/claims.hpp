@@ -42,8 +42,12 @@ struct GuideClaims {
 };
 
 /// The name of the category, as "robot modification".
+/// \param category  a value of the enumeration
+/// \throws Fault for another value
 std::string_view to_string(GuideClaims::Category category);
 /// The requirement, as "a robot whose reference point moves in the plane"; "" for `nothing`.
+/// \param needs  a value of the enumeration
+/// \throws Fault for another value
 std::string_view to_string(GuideClaims::Needs needs);
 
 }  // namespace trellis

@@ -76,9 +76,11 @@ class Repairs {
   virtual void searched(const Search& search) { static_cast<void>(search); }
   /// Called with a place that another guide of C refuted, or that C excluded because a level above refuted it. The
   /// guide may exclude the place from S, and treats a path through it as refuted.
+  /// \param place  a configuration of C, valid during the call only
   virtual void avoid(View place) { static_cast<void>(place); }
   /// Called with each configuration found invalid in a C that presumes validity. The guide refutes a path that
   /// repeatedly leads there.
+  /// \param q  a configuration of C, valid during the call only
   virtual void found_invalid(View q) { static_cast<void>(q); }
   /// Called when h is stale, before S is solved again. The guide may change S here.
   virtual void before_resolve() {}
@@ -128,19 +130,24 @@ class Guide {
   /// \throws Error where the guide does not apply to the instance: the run ends with it
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
   /// f of one configuration. Not called where S = {0}.
+  /// \param q  a configuration of C
   /// \param s  receives f(q), within the bounds of S
   virtual void project(View q, MutableView s) const = 0;
   /// Draws a configuration of C uniformly from the fibre of s: project(lift(s)) = s. Not called where S = {0}.
+  /// \param s  a configuration of S
+  /// \param stream  all random numbers of the draw come from it
   /// \param q  receives it; it may be invalid
   virtual void lift(View s, Stream& stream, MutableView q) const = 0;
   /// log of the density of `lift` at q, given s = f(q). A density over S at f(q) times this factor is the density of
   /// the lifted configuration at q, each with respect to volume in its own space's metric coordinates. 0 if S has the
   /// axes and weights of C; with other weights, the log of the Jacobian. Not called if S = {0}.
+  /// \param q  a configuration of C
   [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
   /// Makes h, the distribution over C, from the instance in S and the solution of its search. Called after every solve;
   /// keeps those observations that still apply. If S = {0}, `sub` and `found` are nullptr. A heuristic that checks
   /// validity (as the bridge test does) spends the parent's checks.
   /// \param parent  the instance in C; it outlives the heuristic
+  /// \param sub  the instance in S that was searched
   /// \param found  solved or not: of a failed search its path leads to the node nearest to the goal
   /// \return never nullptr
   virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
@@ -153,6 +160,7 @@ class Guide {
   /// What it does with evidence against its path. The reference is valid as long as the guide.
   virtual Repairs& repairs();
   /// Passes the object that owns the instance made by `project` from now on; it outlives the search of S.
+  /// \param sub  the instance that `project` returned
   virtual void attach(Instance& sub) { static_cast<void>(sub); }
   /// Whether log_fibre_density is known and gives the density of lifted samples for any density over S.
   [[nodiscard]] virtual bool closed_fibre() const { return true; }
@@ -165,6 +173,7 @@ class Guide {
   [[nodiscard]] virtual bool uses_known() const { return false; }
   /// f of the whole instance, made of what is known. The space S must be the same each time; world, robot, validity and
   /// graph may differ.
+  /// \param parent  the instance in C; it outlives the guide
   /// \param known  valid during the call only
   virtual std::unique_ptr<Instance> project_from(const Instance& parent, const Known& known) {
     static_cast<void>(known);
@@ -176,6 +185,7 @@ class Guide {
 class SamplingGuide : public Guide {
  public:
   /// Prepares for an instance.
+  /// \param parent  the instance in C; it outlives the guide
   /// \throws Error if the guide does not apply to it
   virtual void prepare(const Instance& parent) { static_cast<void>(parent); }
 
@@ -231,6 +241,9 @@ struct GuideKind {
   double (*parts)(const Options&, const Scene&) = nullptr;
 
   /// Returns this kind with its set-up.
+  /// \param in_plane  rates of planar scenes, in units of search_cost
+  /// \param in_space  rates of scenes in space, in units of search_cost
+  /// \param of  returns the number of parts that the rates are for; nullptr: the size of the world
   GuideKind set_up(const SetUpRates& in_plane, const SetUpRates& in_space,
                    double (*of)(const Options&, const Scene&) = nullptr) && {
     planar = in_plane;
@@ -243,6 +256,8 @@ struct GuideKind {
 /// Returns all guides, in the order of the reference. Thread-safe.
 const std::vector<GuideKind>& guide_kinds();
 /// Returns the guide with this name in scripts, as "shrink"; nullptr if there is none. Thread-safe.
+/// \param name  exact
+/// \return valid as long as the program
 const GuideKind* find_guide(std::string_view name);
 
 }  // namespace trellis

@@ -18,6 +18,8 @@ enum class Status : std::uint8_t {
   paused,  ///< of a loop that can continue: it waits for other work of the run. No record has it
 };
 /// Returns the status in words of a message, as "budget spent".
+/// \param status  a value of the enumeration
+/// \throws Fault for another value
 std::string_view to_string(Status status);
 
 }  // namespace trellis

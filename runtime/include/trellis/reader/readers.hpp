@@ -69,16 +69,23 @@ struct SceneFile {
 ///    them; or the text that RViz exports (.scene); the robot is `manipulator`.
 ///  - YAML with `robots` and `problem`: a scenario of FibrationTrees, of a team of discs.
 ///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
-/// \throws Error with file and line for malformed or missing content
+/// \param path  of the file; the other files of its format are sought as listed above
+/// \param options  what the file does not state, and what replaces its content
+/// \throws Error with file and line for malformed or missing content, for a file of another format, and for options
+///     that are out of range or that the format does not take
 SceneFile read_scene(const std::string& path, const ReadOptions& options);
 
 /// Returns the problems of a scene file, as `read_scene` reads them.
+/// \param path  as of read_scene
+/// \param options  as of read_scene
 /// \param warnings  receives those of the file, unless it is nullptr
-/// \throws Error also where a problem has no start or goal
+/// \return at least one
+/// \throws Error as read_scene, and where a problem has no start or no goal
 std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options,
                                    std::vector<std::string>* warnings = nullptr);
 
 /// Reads a robot's outline from an SVG of one path: its convex hull, about the middle of its bounding box.
+/// \param path  of the drawing, in which 1 mm is 1 m
 /// \throws Error with file and line for malformed or missing content
 Robot read_robot(const std::string& path);
 

@@ -43,7 +43,11 @@ struct RunCost {
   double checks = 0.0;  ///< of configurations
   double work = 0.0;    ///< CPU time by a model, in units of search_cost: checks, proposals, searches of graphs, set-up
 
+  /// Adds both counts.
+  /// \param a, b  costs of the same run
   friend RunCost operator+(const RunCost& a, const RunCost& b) { return {a.checks + b.checks, a.work + b.work}; }
+  /// Subtracts both counts; the difference may be negative.
+  /// \param a, b  costs of the same run
   friend RunCost operator-(const RunCost& a, const RunCost& b) { return {a.checks - b.checks, a.work - b.work}; }
 };
 
@@ -131,6 +135,7 @@ struct RunTotals {
 };
 
 /// Whether a run set up its guides: not where its planner, which runs beside them, solved the problem before.
+/// \param run  of a strategy with a guide; of another strategy true
 inline bool sets_up_guides(const RunTotals& run) { return !(run.bounded.bound > 0.0) || run.bounded.guides_set_up; }
 
 /// The place of a level in its hierarchy, and its accounts.
@@ -157,6 +162,7 @@ struct LevelAccounts {
 
 /// The key of the guide whose space a level searches, from the level's key; "" for the root and for halves of a split
 /// search, which no guide made.
+/// \param level_key  LevelAccounts::key
 std::string guide_key(const std::string& level_key);
 
 }  // namespace trellis

@@ -14,6 +14,8 @@ namespace trellis::trial {
 /// A cost that a run counts.
 enum class Quantity : std::uint8_t { none, validity_checks, motion_checks, proposals, nodes };
 /// "validity checks".
+/// \param quantity  a value of the enumeration
+/// \throws Fault for another value
 std::string_view to_string(Quantity quantity);
 
 /// A criterion for a statistic of a trial: the number or the other trial to compare with, the confidence, and the
@@ -22,11 +24,13 @@ class Criterion {
  public:
   enum class Kind : std::uint8_t { at_least, at_most, below, above, exactly };
 
+  /// \param kind  how a statistic is compared with the value
   /// \param value  in the unit of what the matcher compares: a share, a number of checks, metres or nats
   /// \throws Error for a number that is not finite
   Criterion(Kind kind, double value);
   /// Requires less or more than the other trial, paired by seed.
   /// \param kind  `below` or `above`
+  /// \param other  on the same seeds; its runs start when the criterion is checked
   /// \throws Fault for another kind
   Criterion(Kind kind, Trial other);
 
@@ -48,17 +52,21 @@ class Criterion {
   /// \param confidence  in (0.5, 1)
   /// \throws Error for another number
   [[nodiscard]] Criterion with_confidence(double confidence) const;
+  /// Sets the cost that is compared.
+  /// \param quantity  for `spends`; the other matchers take none
   [[nodiscard]] Criterion of(Quantity quantity) const;
   [[nodiscard]] Criterion validity_checks() const { return of(Quantity::validity_checks); }
   [[nodiscard]] Criterion motion_checks() const { return of(Quantity::motion_checks); }
   [[nodiscard]] Criterion proposals() const { return of(Quantity::proposals); }
   [[nodiscard]] Criterion nodes() const { return of(Quantity::nodes); }
   /// Restricts the cost to one level.
+  /// \param level  as of Level; "": all levels together
   [[nodiscard]] Criterion in_level(std::string level) const;
 
   /// Whether an upper confidence bound can satisfy it (less is better), and whether a lower one can.
   [[nodiscard]] bool from_above() const { return kind_ == Kind::at_most || kind_ == Kind::below; }
   /// Whether a value satisfies it; for criteria with a number only.
+  /// \param figure  in the unit of value()
   [[nodiscard]] bool met_by(double figure) const;
   /// "at least 0.95", "less than planner", "more than planner".
   [[nodiscard]] std::string text() const;
@@ -76,16 +84,41 @@ class Criterion {
 };
 
 /// "at least".
+/// \param kind  a value of the enumeration
+/// \throws Fault for another value
 std::string_view to_string(Criterion::Kind kind);
 
+/// Requires that a statistic is at least x.
+/// \param x  finite, in the unit of the statistic
+/// \throws Error for another number
 inline Criterion at_least(double x) { return {Criterion::Kind::at_least, x}; }
+/// Requires that a statistic is at most x.
+/// \param x  finite, in the unit of the statistic
+/// \throws Error for another number
 inline Criterion at_most(double x) { return {Criterion::Kind::at_most, x}; }
+/// Requires that a statistic is less than x.
+/// \param x  finite, in the unit of the statistic
+/// \throws Error for another number
 inline Criterion below(double x) { return {Criterion::Kind::below, x}; }
+/// Requires that a statistic is greater than x.
+/// \param x  finite, in the unit of the statistic
+/// \throws Error for another number
 inline Criterion above(double x) { return {Criterion::Kind::above, x}; }
+/// Requires that a statistic equals x.
+/// \param x  finite, in the unit of the statistic
+/// \throws Error for another number
 inline Criterion exactly(double x) { return {Criterion::Kind::exactly, x}; }
+/// Requires less than another trial, paired by seed.
+/// \param other  on the same seeds
 inline Criterion below(Trial other) { return {Criterion::Kind::below, std::move(other)}; }
+/// Requires more than another trial, paired by seed.
+/// \param other  on the same seeds
 inline Criterion above(Trial other) { return {Criterion::Kind::above, std::move(other)}; }
+/// As `below`, for a cost.
+/// \param other  on the same seeds
 inline Criterion fewer_than(Trial other) { return below(std::move(other)); }
+/// As `above`, for a cost.
+/// \param other  on the same seeds
 inline Criterion more_than(Trial other) { return above(std::move(other)); }
 
 }  // namespace trellis::trial

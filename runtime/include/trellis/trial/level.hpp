@@ -50,6 +50,9 @@ class Level {
 };
 
 /// Returns the key of the level that a test names.
+/// \param runs  of one strategy
+/// \param name  as of Level's constructor
+/// \return LevelAccounts::key
 /// \throws Error that lists the levels, or those that share the name.
 std::string find_level(const std::vector<RunResult>& runs, const std::string& name);
 

@@ -31,6 +31,7 @@ class Matcher {
   /// Returns the expectation, to follow a strategy's name: "spends fewer validity checks than planner".
   [[nodiscard]] virtual std::string text() const = 0;
   /// Checks the trial; runs it first where that has not happened.
+  /// \param trial  whose runs and scores may be executed here
   /// \throws Error where the check does not apply to the trial: another trial on other seeds, an unknown level.
   [[nodiscard]] virtual Verdict judge(const Trial& trial) const = 0;
   /// Whether the evidence of a failure includes the sample statistics.
@@ -63,6 +64,7 @@ MatcherPointer finds_paths(std::optional<Criterion> length = {});
 /// levels, with five seeds or more, the samples of all seeds are taken together; else the lower ends of the runs'
 /// intervals count, by the lower bound of Student's interval of their mean. Another trial is exceeded where the two
 /// intervals do. Of mass alone: by the lower bound of Student's interval of the runs' masses.
+/// \param level  which samples, and in which space
 /// \param nats  above uniform sampling
 /// \throws Error for a criterion that is not a lower bound (`above`, `at_least`), that names a quantity, or whose
 /// confidence is above 95 % where what samples support is judged.
@@ -71,11 +73,18 @@ MatcherPointer has_efficiency(Level level, Criterion nats);
 /// Checks that runs that are executed again, on one thread and on several, give the same results, bit for bit.
 MatcherPointer is_deterministic();
 
-/// "guided spends fewer validity checks than planner: 0.31 times as many at the median ...".
+/// Returns the verdict in a sentence: "guided spends fewer validity checks than planner: 0.31 times as many at the
+/// median ...".
+/// \param trial  the trial that the matcher checked
+/// \param matcher  made the verdict
+/// \param verdict  its `finding` ends the sentence
 std::string sentence(const Trial& trial, const Matcher& matcher, const Verdict& verdict);
 
 /// Returns evidence on a failed check: the worst seed, the statistics of its levels, and how to reproduce the run.
 /// Lines, each with a newline.
+/// \param trial  the trial that the matcher checked; its runs are executed again where they were released
+/// \param matcher  made the verdict
+/// \param verdict  without `worst` there is no evidence: ""
 /// \param width  of the tables, in columns
 std::string evidence(const Trial& trial, const Matcher& matcher, const Verdict& verdict, int width = 120);
 

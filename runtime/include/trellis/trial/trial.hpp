@@ -26,6 +26,7 @@ inline constexpr std::uint64_t most_seeds = 1'000'000;
 
 /// Returns `count` consecutive seeds from `first`.
 /// \param count  from 1 to `most_seeds`
+/// \param first  at most 2^63 - `count`
 /// \throws Error for another count, or for seeds that a script cannot write (over 2^63 - 1)
 std::vector<std::uint64_t> seeds(std::uint64_t count, std::uint64_t first = 1);
 
@@ -53,6 +54,8 @@ struct Making {
 /// copies of the trial share them. Only one thread may use it at a time.
 class Trial {
  public:
+  /// \param setup  with a problem that has a scene; the problem is checked by the first request for results
+  /// \param making  copied; what its function refers to outlives the trial
   /// \throws Error for seeds that repeat or are missing.
   explicit Trial(Setup setup, Making making = {});
 
@@ -62,21 +65,26 @@ class Trial {
   [[nodiscard]] std::string text() const;
 
   /// Returns the runs in the order of the seeds; executes them first where necessary.
+  /// \return valid until forget()
   /// \throws Error for an invalid problem, and Interrupted.
   [[nodiscard]] const std::vector<RunResult>& runs() const;
   /// As runs(), and scores their samples, which takes several times as long.
+  /// \throws Error for an invalid problem, and Interrupted
   [[nodiscard]] const std::vector<RunResult>& scored_runs() const;
   /// Scores the samples of all seeds but one taken together, of each level, lifted to the root, on paths of the seed
   /// left out. None with fewer than five seeds, without paths, and for a target that is not made from a path.
+  /// \throws Error for an invalid problem, and Interrupted
   [[nodiscard]] const std::vector<PooledScores>& pooled_scores() const;
   /// Executes the runs again, `jobs` at the same time, with two threads each if these are several; does not store them.
   /// \param jobs  0: as many as the machine has cores
+  /// \throws Error for an invalid problem, and Interrupted
   [[nodiscard]] std::vector<RunResult> runs_again(unsigned jobs) const;
 
   /// Releases the memory of the runs; the next request executes them again.
   void forget() const;
 
   /// Returns how to reproduce one of its runs: a command where the script is available, else statements for a session.
+  /// \param seed  one of the trial's, which is not checked
   [[nodiscard]] std::string replay(std::uint64_t seed) const;
 
  private:
