@@ -67,6 +67,7 @@ class Advice {
   virtual ~Advice() = default;
 
   /// Receives the result of a sample.
+  /// \param outcome  its views are valid during the call only
   /// \param mine  whether this guidance drew the sample. A part of a mixture also receives the results of the other
   ///     parts, because each of them can use a configuration found invalid.
   virtual void observe(const Outcome& outcome, bool mine) {
@@ -78,6 +79,7 @@ class Advice {
   [[nodiscard]] virtual std::uint32_t vertex() const { return no_node; }
   /// Chooses the control of the extension of a node towards the last proposal. Planners with a motion model call this
   /// once for each proposal.
+  /// \param stream  of the level; all random numbers of the draw come from it
   /// \param control  receives a number for each control of the model, each within its bounds
   /// \return the duration in steps of the model, from 1 to `longest`; 0: the planner chooses the control itself
   virtual std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) {
@@ -88,6 +90,8 @@ class Advice {
   }
   /// Whether to check a motion beyond the last proposal: RRT's motion to the goal, or RRT-Connect's motion between the
   /// trees. False where evidence of h refutes the motion: it saves its checks.
+  /// \param from  a node
+  /// \param to  the goal, or a node of the other tree
   [[nodiscard]] virtual bool worth_connecting(View from, View to) const {
     static_cast<void>(from);
     static_cast<void>(to);
@@ -95,6 +99,7 @@ class Advice {
   }
   /// Factor >= 1 on the cost of an edge in a roadmap search. It is larger for an edge that leaves the guiding paths.
   /// None: no path weighs edges now, and those of other parts of h decide.
+  /// \param a, b  the ends of the edge
   [[nodiscard]] virtual std::optional<double> edge_factor(View a, View b) const {
     static_cast<void>(a);
     static_cast<void>(b);
@@ -146,6 +151,7 @@ class Guidance : public Advice {
 };
 
 /// The lesser of two edge factors of which either may be none.
+/// \param a, b  none where no path weighs the edge
 inline std::optional<double> least_factor(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::min(*a, *b) : a ? a : b;
 }
@@ -153,6 +159,7 @@ inline std::optional<double> least_factor(std::optional<double> a, std::optional
 /// Uniform distribution over the space; S = {0}.
 class UniformGuidance final : public Guidance {
  public:
+  /// \param space  of the planner
   explicit UniformGuidance(Space space) : space_(std::move(space)), density_(std::exp(-space_.log_volume())) {}
   Source sample(Stream& stream, MutableView out) override {
     space_.sample_uniform(stream, out);
@@ -173,6 +180,7 @@ class UniformGuidance final : public Guidance {
 /// The goal, or one of several goals; S = {0}. Its distribution has atoms and no density.
 class GoalGuidance final : public Guidance {
  public:
+  /// \param instance  with at least one goal; its goals are copied
   explicit GoalGuidance(const Instance& instance) : goals_(instance.space.dimension()) {
     for (const auto& goal : instance.goals) goals_.push(goal);
   }

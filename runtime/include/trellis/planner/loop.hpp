@@ -36,6 +36,7 @@ struct CommonSettings {
 };
 
 /// The options of every planner, and `step` if the planner has one.
+/// \param settings  validated options, read by Settings::read
 template <class S>
 PlannerCommon common_of(const S& settings) {
   PlannerCommon common = settings.common();
@@ -45,6 +46,7 @@ PlannerCommon common_of(const S& settings) {
 
 /// Adds the options of every planner to those of one: goal_bias, uniform, bound, queries and the budgets.
 /// \tparam S  derives from CommonSettings
+/// \param settings  without these options
 /// \return the settings, to which the planner's own options may be added
 template <class S>
 Settings<S> with_common(Settings<S> settings) {
@@ -78,6 +80,7 @@ Settings<S> with_common(Settings<S> settings) {
 }
 
 /// Returns the path that contains only the start: the solution of a search whose goal is invalid.
+/// \param instance  whose start is valid
 inline Configurations path_of_start(const Instance& instance) {
   Configurations path(instance.space.dimension());
   path.push(instance.start);
@@ -88,9 +91,13 @@ inline Configurations path_of_start(const Instance& instance) {
 /// itself.
 class BlockedMotions {
  public:
+  /// \param dimension  of the instance's space
   explicit BlockedMotions(std::size_t dimension) : from_(dimension), to_(dimension), at_(dimension) {}
 
   /// Adds a motion.
+  /// \param space  of the instance
+  /// \param from  valid end of the motion, copied
+  /// \param to  other end of the motion, copied
   /// \param t  position of the first invalid configuration on the motion, in [0, 1]
   void add(const Space& space, View from, View to, double t) {
     Configuration at(from.size());
@@ -100,6 +107,7 @@ class BlockedMotions {
     at_.push(at);
   }
   /// Reports all motions to the guidance as outcomes without a proposal, then clears the list.
+  /// \param context  of the planner
   void report(PlannerContext& context) {
     for (std::size_t i = 0; i < at_.size(); ++i) {
       Outcome outcome;
@@ -120,6 +128,9 @@ class BlockedMotions {
 };
 
 /// Computes the end of an extension from `from` towards q.
+/// \param space  of the instance
+/// \param from  a node; it must not be a view of `target`
+/// \param q  the proposal; it must not be a view of `target`
 /// \param distance  from `from` to q, in metres in the metric
 /// \param step  longest extension, in metres in the metric
 /// \param target  receives the end
@@ -136,6 +147,7 @@ inline bool steer(const Space& space, View from, View q, double distance, double
 }
 
 /// Checks the start, and removes the goals that are invalid; where all are, it keeps them.
+/// \param instance  its goals are changed; each checked configuration is counted
 /// \return none if the search can begin; else the reason
 inline std::optional<Status> remove_invalid_goals(Instance& instance) {
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return Status::invalid_start;

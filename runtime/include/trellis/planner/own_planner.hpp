@@ -15,6 +15,7 @@ namespace trellis {
 // the instance's validity and the guidance throw.
 
 /// Adds a node to the search, and returns its row in Search::nodes.
+/// \param context  of the planner; views of nodes are invalid afterwards
 /// \param q  of the instance's space
 /// \param parent  its parent's row; no_node for a root, which is its own parent
 std::uint32_t add_node(PlannerContext& context, View q, std::uint32_t parent = no_node);
@@ -28,6 +29,7 @@ class NodeExtension {
 
   /// Checks the motion from a node towards a proposal, which the instance counts, and adds its end if it is valid.
   /// \param from  the node's row in Search::nodes
+  /// \param proposal  of the instance's space; valid until the next call, because the outcome has a view of it
   /// \return the outcome of Planner::extend, valid until the next call; its `added_row` is the new node, or no_node
   Outcome extend(std::uint32_t from, View proposal);
 
@@ -39,11 +41,13 @@ class NodeExtension {
 };
 
 /// Returns the path from the root to a node, both included.
+/// \param search  with parents: of a tree
 /// \param row  of the node in Search::nodes
 Configurations branch_to(const Search& search, std::uint32_t row);
 
 /// Adds a planner to planner_kinds(): then strategies, scripts, help and the reference have it. Call it at the
 /// beginning of the program, from one thread.
+/// \param kind  with component, `common` and `make`; the component outlives the program's use of the kind
 /// \throws Error for a name that is no identifier or that a planner or guide has already, for a missing summary or
 ///     option of every planner (with_common), for an option without a description, and after the first use of
 ///     planner_kinds()

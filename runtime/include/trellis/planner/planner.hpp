@@ -40,6 +40,7 @@ struct ControlRecord {
   double dt = 0.0;                    ///< duration of a step, in seconds
 
   /// The index of the first piece of a proposal's motion.
+  /// \param proposal  index into Search::proposals; their number gives the number of pieces
   [[nodiscard]] std::size_t begin_of(std::size_t proposal) const { return proposal == 0 ? 0 : ends[proposal - 1]; }
 };
 
@@ -67,6 +68,7 @@ struct Search {
   double seconds = 0.0;  ///< wall clock of all solves of the level, without the levels that it waited for
 
   /// The samples of the tree: of `rows`, one per node, those whose node was checked.
+  /// \param rows  as many as nodes, in this space or another
   [[nodiscard]] Configurations tree_samples(const Configurations& rows) const {
     if (validated.empty()) return rows;
     Configurations chosen(rows.dimension());
@@ -131,6 +133,7 @@ class StepsAhead;
 /// path is no error but a Status.
 class Planner {
  public:
+  /// \param context  its references outlive the planner
   explicit Planner(PlannerContext context) : context_(std::move(context)) {}
   virtual ~Planner() = default;
 
@@ -156,10 +159,12 @@ class Planner {
   /// \return the status if the solve ends; none if it continues
   virtual std::optional<Status> work() { return std::nullopt; }
   /// Called instead of a step when a limit is reached.
+  /// \param limit  why the solve stops: budget_spent, or the status that the caller's limit returned
   /// \return `limit` or another status if the solve ends; none if it continues without proposals: then `draws` returns
   ///     false
   virtual std::optional<Status> stopped(Status limit) { return limit; }
   /// The solution of a solve that ended with this status, which is neither invalid_start nor invalid_goal.
+  /// \param status  that the solve ended with
   [[nodiscard]] virtual Solution solution(Status status) = 0;
   /// The stream that its proposals are drawn from.
   [[nodiscard]] virtual Stream& stream() { return context_.proposals; }
@@ -210,13 +215,18 @@ struct PlannerKind {
 /// Returns all planners, in the order of the reference; those of register_planner() are the last. Thread-safe.
 const std::vector<PlannerKind>& planner_kinds();
 /// Returns the planner with this name in scripts, as "rrt_connect"; nullptr if there is none. Thread-safe.
+/// \param name  exact
+/// \return valid as long as the program
 const PlannerKind* find_planner(std::string_view name);
 
 /// Shortcuts a path: in each round, tries to replace the part between two random points of the path by a straight
 /// motion. The result is never longer. The instance counts the checks.
+/// \param instance  checks the motions
 /// \param path  of valid motions, at least one configuration
+/// \param rounds  at most so many; each checks at most three motions and one configuration
 /// \param stream  draws the points; the same stream gives the same result
 /// \param certified  if not empty: whether a part of the path that would be new is certified; else it is not taken
+/// \throws what the instance's validity throws
 Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
                         const std::function<bool(const Configurations&)>& certified = {});
 

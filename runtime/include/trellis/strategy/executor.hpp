@@ -103,26 +103,36 @@ struct ExecuteOptions {
 };
 
 /// Checks a problem: coordinates finite, of the right number and inside the space; start and goal valid.
+/// \param problem  `reach` is not read: the goals were chosen from it before
 /// \throws Error that names the obstacle in collision with start or goal
 void check(const Problem& problem);
 
 /// Makes the levels of a strategy for a problem without a search.
+/// \param strategy  its options are valid already
+/// \param problem  valid (check)
 /// \throws Error if a guide cannot make its space, as `execute` does when it sets up the guides
 void check(const StrategySpec& strategy, const Problem& problem);
 /// The same after a run whose guides were not set up, because its planner solved the problem before: what a guide
 /// cannot do is an error all the same. Does nothing where the set-up would take more than about 0.2 s.
+/// \param strategy  with or without a guide
+/// \param problem  valid (check)
 /// \param run  of this strategy and problem
 void check_unused_guides(const StrategySpec& strategy, const Problem& problem, const RunRecord& run);
 
 /// The guides of a strategy that can never draw a proposal, for any problem: the planner above leaves them no share, or
 /// its budget ends before their turn.
+/// \param strategy  with or without a guide
 /// \return one sentence per guide, with its location in the script
 std::vector<std::string> unreachable_guides(const StrategySpec& strategy);
 
 /// Runs a strategy on a problem, in the thread that calls. Deterministic in (strategy, problem, seed), except for
 /// times; several threads may run strategies at the same time. That no path was found is no error: RunRecord::status
-/// says why. \param seed  of all random streams of the run \throws Error for a problem that fails `check`, or if a
-/// guide that it sets up cannot make its space
+/// says why.
+/// \param strategy  with or without a guide
+/// \param problem  the record shares its scene
+/// \param seed  of all random streams of the run
+/// \param options  its functions are called during the call only
+/// \throws Error for a problem that fails `check`, or if a guide that it sets up cannot make its space
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options = {});
 
@@ -131,6 +141,10 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
 /// are called by one thread at a time; the functions of `ExecuteOptions` are called by the thread of the run.
 class Execution {
  public:
+  /// \param strategy  with or without a guide
+  /// \param problem  the record shares its scene
+  /// \param seed  of all random streams of the run
+  /// \param options  copied; what its functions refer to outlives the execution
   /// \throws Error for a problem that fails `check`
   Execution(StrategySpec strategy, Problem problem, std::uint64_t seed, ExecuteOptions options = {});
   Execution(const Execution&) = delete;
@@ -146,6 +160,9 @@ class Execution {
   /// The record so far; of a run that has not ended with Status::interrupted. After the end, callable once.
   RunRecord record();
   /// The samples of a level while the run is stopped, without a copy: its fields that `record` completes are missing.
+  /// \param number  LevelAccounts::level, 0 for the root
+  /// \return valid until the next `advance`
+  /// \throws std::out_of_range for a number of no level
   [[nodiscard]] const LevelRecord& level(std::size_t number) const;
   /// The samples of the unguided planner that runs beside a guided search; nullptr: there is none. Its level is -1.
   [[nodiscard]] const LevelRecord* companion() const;
