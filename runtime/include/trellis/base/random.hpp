@@ -11,7 +11,8 @@ namespace trellis {
 /// A deterministic stream of random numbers. The generator is counter based (Philox 4x64, Random123) and keyed by
 /// (seed, level, purpose). Streams are independent: a new level or purpose changes no other stream, and the number of
 /// threads has no influence. Trellis implements all conversions itself, so that every compiler and standard library
-/// gives the same values.
+/// gives the same values. Only one thread may use a stream at a time; a copy continues independently from the same
+/// numbers. Source: Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
 class Stream {
  public:
   /// \param seed     the run's seed

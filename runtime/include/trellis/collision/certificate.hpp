@@ -59,6 +59,7 @@ class MotionClearance {
   /// \return bit i is set for `shares[i]`; a bit that is not set decides nothing
   [[nodiscard]] virtual unsigned apart(std::span<const double> shares, double half, double margin) = 0;
 
+  /// The distance at a configuration of the motion.
   struct Near {
     double distance = 0.0;  ///< metres; of several, the least; 0 in contact
     double sure = 0.0;      ///< the least distance less the displacement on `half` of the motion; may be negative

@@ -277,6 +277,7 @@ class Instance {
   }
   /// Returns the first goal, the one of statistics where none was reached.
   [[nodiscard]] const Configuration& goal() const { return goals.front(); }
+  /// The goal nearest to a configuration.
   struct NearGoal {
     std::size_t goal = 0;   ///< index into goals
     double distance = 0.0;  ///< metres of the metric

@@ -22,7 +22,8 @@ struct ControlAxis {
 };
 
 /// The kinodynamic model of a robot: dx/dt = f(x, u), integrated with explicit Euler steps. A state x is a
-/// configuration (x, y, theta, perhaps theta of a trailer) followed by velocities. Immutable.
+/// configuration (x, y, theta, perhaps theta of a trailer) followed by velocities. Immutable; safe to share between
+/// threads.
 class MotionModel {
  public:
   MotionModel(const MotionModel&) = delete;
@@ -118,9 +119,9 @@ struct MotionKind {
   std::shared_ptr<const MotionModel> (*make)(const Options&) = nullptr;
 };
 
-/// Returns all motion models, in the order of the reference.
+/// Returns all motion models, in the order of the reference. Thread-safe.
 const std::vector<MotionKind>& motion_kinds();
-/// Returns the model with this name; nullptr for an unknown name.
+/// Returns the model with this name; nullptr for an unknown name. Thread-safe.
 /// \param name  as in scripts: "unicycle1"
 /// \return valid as long as the program
 const MotionKind* find_motion(std::string_view name);

@@ -80,6 +80,7 @@ class Advice {
   /// Chooses the control of the extension of a node towards the last proposal. Planners with a motion model call this
   /// once for each proposal.
   /// \param stream  of the level; all random numbers of the draw come from it
+  /// \param query  its views are valid during the call only
   /// \param control  receives a number for each control of the model, each within its bounds
   /// \return the duration in steps of the model, from 1 to `longest`; 0: the planner chooses the control itself
   virtual std::uint32_t draw_control(Stream& stream, const ControlQuery& query, MutableView control) {
@@ -129,6 +130,7 @@ class Guidance : public Advice {
   virtual Source sample(Stream& stream, MutableView out) = 0;
   /// Draws what `sample` would draw now, if that depends on the stream alone: not on results of earlier samples.
   /// \param stream  a copy of the level's, which is advanced as `sample` advances it
+  /// \param out  receives the proposal
   /// \return whether it does; else `out` is unspecified
   [[nodiscard]] virtual bool preview(Stream& stream, MutableView out) const {
     static_cast<void>(stream);
@@ -142,6 +144,7 @@ class Guidance : public Advice {
   [[nodiscard]] virtual double connected() const { return 0.0; }
   /// Adds the distribution of the next sample to the record, with weight `share`. By default, as a part without closed
   /// form. A sequence of guides changes its active guide when it draws: it adds the distribution of the last sample.
+  /// \param record  of the search; receives the distribution
   /// \param share  in (0, 1]: of this part in the distribution of the whole
   virtual void record(DensityRecord& record, double share) const { record.add_unknown(share); }
   /// A counter that increases when `sample` or `observe` may have changed what `record` adds.

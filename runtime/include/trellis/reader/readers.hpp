@@ -20,6 +20,7 @@ enum class MapServer : unsigned char {
   ros1   ///< the mean of the channels, in the mode trinary with alpha as one of them; a pixel at a threshold is unknown
 };
 
+/// What replaces or completes the content of a scene file.
 struct ReadOptions {
   double weight = 0.0;               ///< metres per radian of angular axes; 0: the default, 1/pi
   double resolution = 0.05;          ///< see Problem

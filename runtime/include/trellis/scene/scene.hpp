@@ -84,7 +84,8 @@ class Scene {
   [[nodiscard]] virtual std::vector<TeamMember> members() const { return {}; }
 
   /// Returns the space of the robot's configurations in the world.
-  /// \param weight  metres of the metric per radian
+  /// \param weight  metres of the metric per radian, greater than 0
+  /// \throws Error for another weight, where the robot turns
   [[nodiscard]] virtual Space default_space(double weight) const = 0;
 
   // The scenes of guiding spaces.

@@ -63,6 +63,7 @@ struct LevelRecord : LevelAccounts {
 };
 
 /// A level and the levels that it guides, up to the root: "skeleton() >> lazy() >> rrt, level 2".
+/// \param level  the first of the path
 /// \param at  returns the level with a number, of the same run
 std::string level_path(const LevelRecord& level, const std::function<const LevelRecord&(int)>& at);
 

@@ -55,7 +55,7 @@ std::shared_ptr<const PlanarScene> planar_scene(std::shared_ptr<const Scene> sce
 /// \param robot  alone or a team; its limits are bounds of axes
 /// \param world  its bounds are those of x and y
 /// \param weight  metres of the metric per radian, greater than 0
-/// \throws Error for another weight
+/// \throws Error for another weight, where the robot turns
 Space default_space(const Robot& robot, const World& world, double weight);
 
 }  // namespace trellis

@@ -36,7 +36,7 @@ inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }
 /// \param a  metres; NaN is out of range
 inline bool in_range(Vec2 a) { return std::abs(a.x) <= most_distant && std::abs(a.y) <= most_distant; }
 
-/// An axis-aligned rectangle, closed.
+/// An axis-aligned rectangle, closed, in metres.
 struct Box2 {
   Vec2 lo;
   Vec2 hi;
@@ -49,14 +49,15 @@ inline Box2 united(const Box2& a, const Box2& b) {
   return {{std::min(a.lo.x, b.lo.x), std::min(a.lo.y, b.lo.y)}, {std::max(a.hi.x, b.hi.x), std::max(a.hi.y, b.hi.y)}};
 }
 
-/// A closed disc; radius 0 is a point (allowed for robots only).
+/// A closed disc, in metres; radius 0 is a point (allowed for robots only).
 struct Disc {
   Vec2 centre;
   double radius = 0.0;
   friend bool operator==(const Disc&, const Disc&) = default;
 };
 
-/// A closed polygon given by its vertices in order. Those of a World or Robot are simple and counter-clockwise.
+/// A closed polygon given by its vertices in order, in metres. Those of a World or Robot are simple and
+/// counter-clockwise.
 struct Polygon {
   std::vector<Vec2> vertices;
   friend bool operator==(const Polygon&, const Polygon&) = default;

@@ -10,6 +10,7 @@
 
 namespace trellis {
 
+/// A closed obstacle of a planar world.
 struct Obstacle {
   std::string name;  ///< its name in messages: "obstacle 3 (box 4 0 6 4.75)"
   Shape shape;

@@ -11,7 +11,7 @@
 
 namespace trellis {
 
-/// A box along the axes of space, closed.
+/// A box along the axes of space, closed, in metres.
 struct Box3 {
   Vec3 lo;
   Vec3 hi;

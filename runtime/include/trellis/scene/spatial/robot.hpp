@@ -60,7 +60,8 @@ class Robot3 {
   /// The pairs of robots of a team that pass through each other, by their numbers.
   [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& passing() const { return passing_; }
   /// Whether two robots of the team must not touch each other.
-  /// \param one  a number (Member::number), as `other`
+  /// \param one  a number (Member::number)
+  /// \param other  a number (Member::number)
   [[nodiscard]] bool are_coupled(std::size_t one, std::size_t other) const;
   /// Its solids; of a team those of all its robots, each in the frame of its own.
   [[nodiscard]] const std::vector<Solid>& solids() const { return solids_; }

@@ -11,26 +11,26 @@ namespace trellis {
 
 class PointCloud;
 
-/// A closed ball about the origin of its frame; radius 0 is a point (allowed for robots only).
+/// A closed ball about the origin of its frame, in metres; radius 0 is a point (allowed for robots only).
 struct Sphere {
   double radius = 0.0;
   friend bool operator==(const Sphere&, const Sphere&) = default;
 };
 
-/// A closed box centred at the origin of its frame, with these lengths along x, y and z.
+/// A closed box centred at the origin of its frame, with these lengths along x, y and z in metres.
 struct Cuboid {
   Vec3 size;
   friend bool operator==(const Cuboid&, const Cuboid&) = default;
 };
 
-/// A closed cylinder centred at the origin of its frame, with its axis along z.
+/// A closed cylinder centred at the origin of its frame, with its axis along z, in metres.
 struct Cylinder {
   double radius = 0.0;
   double length = 0.0;
   friend bool operator==(const Cylinder&, const Cylinder&) = default;
 };
 
-/// All points within `radius` of a segment of this length along z, centred at the origin of its frame.
+/// All points within `radius` metres of a segment of this length in metres along z, centred at the origin of its frame.
 struct Capsule {
   double radius = 0.0;
   double length = 0.0;  ///< of the segment, so the whole is 2 radius longer

@@ -14,6 +14,7 @@ namespace trellis {
 
 class DistanceFields;
 
+/// A closed obstacle of a world in space.
 struct Obstacle3 {
   std::string name;  ///< its name in messages: "obstacle 3 (maze.obj)"
   Solid solid;
