@@ -23,7 +23,7 @@ Space Frame::rows() const {
   if (!flat()) return space_;
   std::vector<Axis> axes = space_.axes();
   for (Axis& axis : axes) axis = {axis.name, axis.weight * axis.lo, axis.weight * axis.hi, 1.0, axis.periodic};
-  return Space(space_.name(), std::move(axes));
+  return {space_.name(), std::move(axes)};
 }
 
 void Frame::to_metric(View x, MutableView y) const {
