@@ -358,7 +358,8 @@ TEST_CASE("SIGINT while runs are scored ends the run by itself, with what was pl
   }
 }
 
-TEST_CASE("signals, closed pipes and full disks end train, merge, ablations and sessions as other commands", "[slow]") {
+TEST_CASE("signals, closed pipes and full disks end training, merge, ablations and sessions as other commands",
+          "[slow]") {
   const Place place;
   place.script("solve.lua", solve);
   place.script("endless.lua", endless);
@@ -383,15 +384,15 @@ TEST_CASE("signals, closed pipes and full disks end train, merge, ablations and 
   const auto before = names_in(place / "");
   for (const auto& [name, number] : {std::pair{"INT", SIGINT}, std::pair{"TERM", SIGTERM}, std::pair{"HUP", SIGHUP}}) {
     for (const std::string command :
-         {"run ablated.lua --ablate --json all.json", "train --data data --out a.model --samples 1000000",
-          "train --data data --search --out a.model --rounds 1000", "repl < inputs"}) {
+         {"run ablated.lua --ablate --json all.json", "experience --data data --out a.model --samples 1000000",
+          "experience --data data --search --out a.model --rounds 1000", "repl < inputs"}) {
       const Outcome outcome = place.shell(std::string("(sleep 0.5; kill -") + name + " $$) & exec $T " + command);
       INFO(command << " " << name << "\n" << outcome.err);
       CHECK(outcome.status == 128 + number);
       CHECK(names_in(place / "") == before);
     }
   }
-  const std::string train = "train --data data --samples 50 --out ";
+  const std::string train = "experience --data data --samples 50 --out ";
   REQUIRE(place.shell("$T " + train + "good.model").status == 0);
   for (const std::string& command : {train + "good.model", std::string("merge shard-1 shard-2 --sqlite all.sqlite"),
                                      std::string("run solve.lua --seeds 2")}) {
