@@ -478,8 +478,7 @@ const Construct& experiment_construct() {
            {"baseline", "string", "the name of a strategy",
             "what the others are compared with; by default the first strategy without a guide, else the first"},
            {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
-            "problems that trellis report lists together; tuned: the strategies were tuned on them, else they are "
-            "held-out"},
+            "problems that trellis report lists together; tuned: whether the strategies were tuned on them (false)"},
            {"published", "trellis.Publication", "published { ... }",
             "published figures and sentences, to compare the results with"},
            {"ablate", "boolean|string[]", "true, or a list of names of strategies",

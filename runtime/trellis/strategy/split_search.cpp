@@ -86,7 +86,7 @@ class SplitSearch final : public DividingPlanner {
     return divide_at(candidates_->best);
   }
 
-  /// Begins a try. Solves both halves where the sub-goal is known.
+  /// Begins a try, and its first half where the sub-goal is known.
   std::optional<Status> work() override {
     if (undivided_) return undivided_->work();
     if (spent(budget_)) return stopped(Status::budget_spent);

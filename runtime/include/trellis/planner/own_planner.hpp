@@ -48,9 +48,10 @@ Configurations branch_to(const Search& search, std::uint32_t row);
 /// Adds a planner to planner_kinds(): then strategies, scripts, help and the reference have it. Call it at the
 /// beginning of the program, from one thread.
 /// \param kind  with component, `common` and `make`; the component outlives the program's use of the kind
-/// \throws Error for a name that is no identifier or that a planner or guide has already, for a missing summary or
-///     option of every planner (with_common), for an option without a description, and after the first use of
-///     planner_kinds()
+/// \throws Error for a kind without one of these three or whose component is no planner, for a name that is no
+///     identifier or that a planner has already, for a missing summary or option of every planner (with_common), for an
+///     option that is declared twice, has no description, or does not accept its own default, and after the first use
+///     of planner_kinds()
 void register_planner(const PlannerKind& kind);
 
 /// The same for a class P that has a constructor P(S, PlannerContext).
