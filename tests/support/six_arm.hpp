@@ -22,7 +22,7 @@ inline SphereModel six_arm(const std::string& group = "arm", bool mobile = false
   files.urdf = folder.write("six.urdf", six_joints);
   files.srdf = folder.write("six.srdf", six_joints_srdf);
   files.group = group;
-  files.mobile = mobile;
+  if (mobile) files.base = Joint::Kind::planar;
   std::vector<std::string> warnings;
   SphereModel robot = read_manipulator(files, warnings);
   CHECK(warnings.empty());

@@ -479,3 +479,79 @@ TEST_CASE("the bounds of a world contain nothing of an arm with a fixed base, un
   CHECK(valid(", contain = 'robot'", arm) == "false");
   CHECK(valid("", "robot.urdf('six.urdf', { base = 'planar' })") == "false");
 }
+
+TEST_CASE("a robot with a floating base plans as others do") {
+  const RobotFolder files;
+  CHECK(files.values("return #robot.urdf('six.urdf', { base = 'floating' }).joints").front() == "13");
+  CHECK_THAT(files.failure("robot.urdf('six.urdf', { base = 'flying' })"),
+             Contains("must be a pose, \"planar\" or \"floating\""));
+  dsl::Session session(files.folder().path().string());
+  const std::string room =
+      "local hand = robot.urdf('six.urdf', { srdf = 'six.srdf', group = {'wrist'}, base = 'floating' }) "
+      "local w = world { bounds = {-3, -3, -3, 3, 3, 3}, box {-0.1, -3, -3, 0.1, 3, 0.5, name = 'wall'} } ";
+  const std::string ends =
+      "problem { world = w, robot = hand, start = {1.5, 0, 0, 0, 0, 0, 1, 0}, "
+      "goal = {-1.5, 0, 0, 0, 0, 1, 0, 0.5} }";
+  for (const char* strategy :
+       {"rrt_connect {}", "skeleton() >> rrt_connect {}", "shrink(0.5) >> lazy() >> rrt_connect {}",
+        "joints { 1, 2, 3, 4, 5, 6, 7 } >> rrt_connect {}", "workspace { point = 'tool' } >> prm {}",
+        "skeleton { explore = 0.1 } >> rrt_connect {}"}) {
+    INFO(strategy);
+    const dsl::Program program = session.load(room + "return " + strategy + ", " + ends, "t.lua");
+    const Problem& problem = program.experiment.problems.front();
+    CHECK(problem.space.dimension() == 8);
+    CHECK(problem.space.degrees() == 7);
+    CHECK(execute(program.experiment.strategies.front().second, problem, 1).solved);
+  }
+  // A quaternion has norm 1, a coordinate a name, a goal a pose of a link.
+  CHECK_THAT(
+      files.failure(room + "return problem { world = w, robot = hand, start = {1.5, 0, 0, 1, 1, 0, 1, 0}, goal = "
+                           "{-1.5, 0, 0, 0, 0, 1, 0, 0.5} }"),
+      Contains("its coordinates 4 to 7 are the quaternion x, y, z, w of an orientation, of norm 1"));
+  const Problem reached =
+      session
+          .problems(room +
+                        "return problem { world = w, robot = hand, start = {1.5, 0, 0, 0, 0, 0, 1, 0}, goal = reach { "
+                        "link = 'tool', pose = pose {-1.5, 1, 1, rpy = {1, 2, 3}} } }",
+                    "t.lua")
+          .front();
+  const SphereModel& robot = reached.scene->manipulator()->robot;
+  const Vec3 tool = robot.robot().pose_of(*robot.robot().tree().find_link("tool"), reached.goals.front()).position;
+  CHECK(norm(tool - Vec3{-1.5, 1, 1}) < 1e-3);
+  CHECK_THAT(files.failure(room + "return problem { world = w, robot = hand, start = {0, 0, 0, 0, 0, 0, 1, 0}, goal = "
+                                  "{-1.5, 0, 0, 0, 0, 1, 0, 0.5} }"),
+             Contains("(wall"));
+}
+
+TEST_CASE("an arm, a disc and a body are one team, which every division plans for") {
+  const RobotFolder files;
+  dsl::Session session(files.folder().path().string());
+  const std::string gate =
+      "local w = world { bounds = {-3, -3, -0.5, 3, 3, 2}, contain = 'none', box {-0.1, 1, -0.5, 0.1, 3, 1.2} } "
+      "local all = robots { robot.arm { links = {0.8, 0.8}, width = 0.12, base = {-1.2, 0} }, robot.disc(0.25), "
+      "robot.rigid { box {-0.25, -0.25, -0.06, 0.25, 0.25, 0.06} }, " +
+      arm +
+      ", height = 0.5 } "
+      "local p = problem { world = w, robot = all, "
+      "start = { {1.5, -0.1}, {-2, -2}, pose {2, -2, 1}, {0, 0.1, 0.5, 0, 0.3, 0} }, "
+      "goal = { {2.5, -0.4}, {2, 2}, pose {-2, 2, 1, axis = {0, 0, 1}, angle = 1.5}, "
+      "{2, 0.2, 0.4, 0.2, 0.3, 0} } } ";
+  for (const char* strategy : {"rrt_connect {}", "prioritise() >> rrt_connect {}", "couple() >> rrt_connect {}",
+                               "decouple() >> rrt_connect {}", "team { 2, 3 } >> rrt_connect {}",
+                               "prioritise() >> lazy() >> rrt_connect {}", "shrink(0.5) >> rrt_connect {}"}) {
+    INFO(strategy);
+    const dsl::Program program = session.load(gate + "return " + strategy + ", p", "t.lua");
+    const Problem& problem = program.experiment.problems.front();
+    CHECK(problem.space.dimension() == 2 + 2 + 7 + 6);
+    CHECK(problem.scene->members().size() == 4);
+    const RunRecord run = execute(program.experiment.strategies.front().second, problem, 1);
+    CHECK(run.solved);
+  }
+  CHECK_THAT(files.failure("return robots { " + arm + ", robot.disc(0.3) }"),
+             Contains("element 2 is of the plane, and element 1 of space: give the height"));
+  CHECK_THAT(files.failure("return robots { robot.disc(0.3), robot.rigid { sphere {0, 0, 0, 0.1} } }"),
+             Contains("element 2 is of space, and element 1 of the plane: give the height"));
+  CHECK_THAT(files.failure("return robots { " + arm + ", robot.disc(0.3), height = -1 }"), Contains("'height'"));
+  CHECK_THAT(files.failure("return robots { " + arm + ", robot.point(), height = 1 }"),
+             Contains("a point has no height"));
+}

@@ -66,7 +66,7 @@ class Files {
     files.urdf = folder_.write("arm.urdf", arm);
     files.srdf = folder_.write("arm.srdf", groups);
     files.group = group;
-    files.mobile = mobile;
+    if (mobile) files.base = Joint::Kind::planar;
     std::vector<std::string> warnings;
     return read_manipulator(files, warnings);
   }

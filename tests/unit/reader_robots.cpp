@@ -196,7 +196,13 @@ TEST_CASE("joints that cannot move a robot are refused with file and line", "[re
       "f.urdf", head + std::string("\n") +
                     R"(<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint></robot>)");
   std::vector<std::string> warnings;
-  CHECK_THROWS_WITH(read_manipulator(files, warnings), Contains("f.urdf:2: joint 'j' is floating"));
+  // Under the base it carries the robot.
+  CHECK(read_manipulator(files, warnings).robot().dimension() == 7);
+  files.urdf = folder.write(
+      "g.urdf", head + std::string("<link name=\"c\"/>\n") +
+                    R"(<joint name="i" type="fixed"><parent link="a"/><child link="b"/></joint>)" + "\n" +
+                    R"(<joint name="j" type="floating"><parent link="b"/><child link="c"/></joint></robot>)");
+  CHECK_THROWS_WITH(read_manipulator(files, warnings), Contains("g.urdf:3: joint 'j' is floating and does not move"));
 }
 
 TEST_CASE("robots of 100000 links are refused, and groups within groups are read", "[reader][robot]") {

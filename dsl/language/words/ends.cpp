@@ -144,6 +144,7 @@ void normalise_quaternions(MutableView q, const std::string& what, const Space& 
     const MutableView part = q.subspan(factor.column, factor.width());
     double length = 0.0;
     for (const double x : part) length += x * x;
+    if (std::isnan(length)) continue;  // reach { } decides it
     length = std::sqrt(length);
     constexpr double rounding = 1e-3;
     if (!(std::abs(length - 1.0) <= rounding)) {
@@ -208,6 +209,9 @@ std::string unknown_coordinate(const std::string& name, const Part& part, const 
   if (joint.kind == Joint::Kind::planar) {
     return fmt::format("joint '{}' is planar: its coordinates are ['{}.x'], ['{}.y'] and ['{}.theta']", name, name,
                        name, name);
+  }
+  if (joint.width() > 1) {
+    return fmt::format("joint '{}' has {} coordinates, from ['{}.x'] on{}", name, joint.width(), name, nearest);
   }
   return fmt::format(
       "joint '{}' does not move, as it is not in the robot's group: robot.urdf takes where it stays, as "
@@ -352,10 +356,13 @@ ReachAnswer reach_end(const End& end, const Problem& problem, const std::string&
   return answer;
 }
 
-/// The middle of the bounds; 0 of coordinates that wrap.
+/// The middle of the bounds; 0 of coordinates that wrap, and no turn.
 Configuration middle_of(const Space& space) {
   Configuration q;
   for (const Axis& axis : space.coordinates()) q.push_back(axis.periodic ? 0.0 : 0.5 * (axis.lo + axis.hi));
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind == Factor::Kind::rotation) q[factor.column + 3] = 1.0;
+  }
   return q;
 }
 

@@ -63,9 +63,9 @@ const Construct& urdf_construct() {
             "what moves; the other joints stay where `values` say. None: all joints that can move"},
            {"values", "table<string, number>", "a table, as { torso_lift_joint = 0.2 }",
             "where joints stay that do not move, in radians or metres; others at 0 or at the nearest limit"},
-           {"base", "trellis.Pose|string", "a pose, or \"planar\"",
+           {"base", "trellis.Pose|string", "a pose, \"planar\" or \"floating\"",
             "where the robot's base is in the world; \"planar\": it moves in the plane z = 0, by three coordinates "
-            "before those of the joints"},
+            "before those of the joints; \"floating\": it moves freely, by a position and a quaternion x, y, z, w"},
            {"packages", "table<string, string>", "a table, as { ur_description = \"robots/ur\" }",
             "the folders of packages that the file names in package://NAME/PATH; of others those above or beside the "
             "file, by name or package.xml, and in ROS_PACKAGE_PATH"},
@@ -301,7 +301,9 @@ int make_urdf(Stack& call, const ScriptPlace& place, std::vector<std::string>& w
         if (const auto* pose = at.get<Pose3>()) {
           base = *pose;
         } else if (at.string() == std::optional<std::string>("planar")) {
-          files.mobile = true;
+          files.base = Joint::Kind::planar;
+        } else if (at.string() == std::optional<std::string>("floating")) {
+          files.base = Joint::Kind::floating;
         } else {
           throw Error(
               fmt::format("robot.urdf: field 'base' must be {}, got {}", construct.fields[3].expects, describe(at)));
@@ -448,7 +450,7 @@ std::vector<ObjectType> manipulator_types() {
            "a coordinate of a robot of a URDF file",
            "",
            {{"name", "string", "", "as in `joints`"},
-            {"kind", "string", "", "of its joint: revolute, continuous, prismatic or planar"},
+            {"kind", "string", "", "of its joint: revolute, continuous, prismatic, planar or floating"},
             {"lower", "number?", "", "lower limit, in radians or metres; nil where it has none"},
             {"upper", "number?", "", "upper limit"},
             {"velocity", "number?", "",

@@ -66,9 +66,8 @@ template <class S>
 Settings<S> with_scene_options(Settings<S> settings) {
   return settings
       .number("weight", &S::weight, "m/rad", Range::positive(),
-              "metres of the metric per radian of turning; if this is not given, of a body in space its bounding "
-              "radius, and "
-              "of a manipulator 1")
+              "metres of the metric per radian of turning; if this is not given, of a body in space, or a floating "
+              "base, the radius of what turns, and of the joints of a manipulator 1")
       .number("resolution", &S::resolution, "m", Range::positive(),
               "how far the robot's fastest point moves between two checked configurations")
       .number(
@@ -112,11 +111,11 @@ const Settings<LoadSettings>& load_settings() {
   return settings;
 }
 
-/// The weight of rotations: the one given; else of a body in space its bounding radius, so that the metric bounds how
-/// far its points move, and of a manipulator 1.
-double weight_of(const Scene& scene, double weight, bool given) {
-  if (given || scene.planar() != nullptr || scene.is_point()) return weight;
-  return scene.manipulator() != nullptr ? 1.0 : scene.bounding_radius();
+/// The space of a robot whose weight of rotations is given, else its own.
+Space space_of(const Scene& scene, double weight, bool given) {
+  if (!given && scene.spatial() != nullptr) return scene.spatial()->own_space();
+  if (!given && scene.manipulator() != nullptr) return scene.manipulator()->own_space();
+  return scene.default_space(weight);
 }
 
 /// The backend's name for "auto".
@@ -182,11 +181,7 @@ void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& fault
   faults.attempt([&] { settings = problem_settings().read(arguments.options()); });
   if (!faults.none() && (!world || !robot)) return;
   if (!faults.attempt([&] { problem.scene = make_scene(*world, *robot); })) return;
-  const SpatialScene* bodies = problem.scene->spatial();
-  problem.space =
-      bodies != nullptr && !bodies->robot.members().empty() && !arguments["weight"].given()
-          ? bodies->own_space()
-          : problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
+  problem.space = space_of(*problem.scene, settings.weight, arguments["weight"].given());
   if (!motion.empty()) {
     const bool driven = faults.attempt([&] {
       problem.motion_model = motion_of(motion, *problem.scene);

@@ -85,11 +85,9 @@ Problem problem_of(Value robot, Value world, const std::string& what) {
   Problem problem;
   problem.name = what;
   problem.scene = make_scene(std::move(*around), std::move(*moves));
-  const double weight =
-      problem.scene->manipulator() != nullptr || problem.scene->planar() != nullptr || problem.scene->is_point()
-          ? 1.0
-          : problem.scene->bounding_radius();
-  problem.space = problem.scene->default_space(weight);
+  problem.space = problem.scene->spatial() != nullptr       ? problem.scene->spatial()->own_space()
+                  : problem.scene->manipulator() != nullptr ? problem.scene->manipulator()->own_space()
+                                                            : problem.scene->default_space(1.0);
   problem.collision = collision_backends(*problem.scene).front();
   return problem;
 }

@@ -7,18 +7,22 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <dsl/language/core/nested_lists.hpp>
 #include <dsl/language/core/word.hpp>
 #include <dsl/language/words/configuration.hpp>
 #include <dsl/language/words/robot_queries.hpp>
+#include <dsl/language/words/scene_values.hpp>
 #include <dsl/language/words/spatial_world.hpp>
 #include <trellis/scene/planar/shapes.hpp>
 #include <trellis/scene/planar/valid_shapes.hpp>
 #include <trellis/scene/recentred.hpp>
+#include <trellis/scene/spatial/linked_robot.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/visit.hpp>
@@ -214,13 +218,17 @@ const Construct& arm_construct() {
 
 struct TeamSettings {
   std::int64_t count = 1;
+  double height = 0.0;
 };
 
 const Settings<TeamSettings>& team_settings() {
   static const auto settings =
       Settings<TeamSettings>(Component::Kind::scene, "robots", "a team", "")
           .integer("count", &TeamSettings::count, "robots", {.lo = 1, .hi = Robot::most_members},
-                   "how many there are of each robot listed");
+                   "how many there are of each robot listed")
+          .number(
+              "height", &TeamSettings::height, "m", Range::non_negative(),
+              "of robots of the plane, which stand on the plane z = 0 of space, as prisms; 0: they are in the plane");
   return settings;
 }
 
@@ -229,9 +237,10 @@ const Construct& team_construct() {
       .name = "robots",
       .usage = "robots { robot.disc(0.3), robot.rectangle(1, 0.2) }",
       .summary =
-          "a team: robots in one world that must not touch each other, all of the plane, all bodies that move freely "
-          "in space, or all of URDF files. A configuration holds theirs one after the other, and may be written as a "
-          "list with one configuration, or pose, for each robot",
+          "a team: robots in one world that must not touch each other: of the plane, bodies that move freely in space, "
+          "robots of URDF files, and all of these together where `height` says how high those of the plane are. Balls "
+          "cover the shapes of such a mixed team. A configuration holds theirs one after the other, and may be written "
+          "as a list with one configuration, or pose, for each robot",
       .list = "its robots, in order; a team among them joins with all of its robots",
       .element = "trellis.Robot|trellis.Manipulator",
       .fields = {},
@@ -456,41 +465,56 @@ int make_rigid(Stack& call) {
   return call.result(Robot::rigid(shapes, rotates(arguments)));
 }
 
+/// The robots of a team, `count` of each listed, where all are of one class.
+template <class R>
+std::optional<std::vector<R>> all_of(const std::vector<AnyRobot>& listed, std::size_t count) {
+  std::vector<R> all;
+  for (const AnyRobot& robot : listed) {
+    const R* one = std::get_if<R>(&robot);
+    if (one == nullptr) return std::nullopt;
+    all.insert(all.end(), count, *one);
+  }
+  return all;
+}
+
+/// \param height  of a robot of the plane in space
+std::vector<SphereModel> linked_robots(const AnyRobot& robot, double height) {
+  if (const auto* planar = std::get_if<Robot>(&robot)) return standing(*planar, height);
+  if (const auto* body = std::get_if<Robot3>(&robot)) return linked(*body);
+  return {std::get<SphereModel>(robot)};
+}
+
 int make_team(Stack& call) {
   const Arguments arguments(team_construct(), call);
   const auto count = static_cast<std::size_t>(team_settings().read(arguments.options()).count);
-  std::vector<Robot> robots;
-  std::vector<Robot3> bodies;
-  std::vector<SphereModel> manipulators;
-  const char* before = nullptr;
+  const double height = team_settings().read(arguments.options()).height;
+  std::vector<AnyRobot> listed;
   arguments.each([&](std::size_t i, Value value) {
-    if (robots.size() + bodies.size() + manipulators.size() + count > 2 * Robot::most_members) {
+    if ((listed.size() + 1) * count > 2 * Robot::most_members) {
       throw Error(fmt::format("robots: at most {} robots in a team", Robot::most_members));
     }
-    const char* kind = nullptr;
-    if (const auto* robot = value.get<Robot>()) {
-      robots.insert(robots.end(), count, *robot);
-      kind = "a robot of the plane";
-    } else if (const auto* body = value.get<Robot3>()) {
-      bodies.insert(bodies.end(), count, *body);
-      kind = "a body of space";
-    } else if (const auto* manipulator = value.get<SphereModel>()) {
-      manipulators.insert(manipulators.end(), count, *manipulator);
-      kind = "a robot of a URDF file";
-    } else {
+    auto robot = robot_in(value);
+    if (!robot) {
       throw Error(fmt::format("robots: element {} must be a robot, as robot.disc(0.3), got {}", i, describe(value)));
     }
-    if (before == nullptr) before = kind;
-    if ((robots.empty() ? 0 : 1) + (bodies.empty() ? 0 : 1) + (manipulators.empty() ? 0 : 1) > 1) {
-      throw Error(
-          fmt::format("robots: element {} is {}, and element 1 is {}; the robots of a team are all of the plane, all "
-                      "bodies of space, or all of URDF files",
-                      i, kind, before));
-    }
+    listed.push_back(std::move(*robot));
+    const bool planar = std::holds_alternative<Robot>(listed.back());
+    if (height > 0.0 || planar == std::holds_alternative<Robot>(listed.front())) return;
+    throw Error(
+        fmt::format("robots: element {} is of {}, and element 1 of {}: give the height of the robots of the plane, "
+                    "which stand on z = 0, as robots {{ ..., height = 0.5 }}",
+                    i, planar ? "the plane" : "space", planar ? "space" : "the plane"));
   });
-  if (!manipulators.empty()) return call.result(SphereModel::team(manipulators));
-  if (!bodies.empty()) return call.result(Robot3::team(bodies));
-  return call.result(Robot::team(robots));
+  if (height == 0.0) {
+    if (const auto robots = all_of<Robot>(listed, count)) return call.result(Robot::team(*robots));
+  }
+  if (const auto bodies = all_of<Robot3>(listed, count)) return call.result(Robot3::team(*bodies));
+  std::vector<SphereModel> robots;
+  for (const AnyRobot& robot : listed) {
+    const std::vector<SphereModel> own = linked_robots(robot, height);
+    for (std::size_t k = 0; k < count; ++k) robots.insert(robots.end(), own.begin(), own.end());
+  }
+  return call.result(SphereModel::team(robots));
 }
 
 /// The members of a world that a script may read.

@@ -25,7 +25,7 @@ LinkProjection::LinkProjection(const Instance& parent, const PointOnBody& point)
     reach_ += robot_.robot().extension(at);
     if (at != chain.back()) reach_ += norm(bodies[at].origin.position);
   }
-  if (first.kind == Joint::Kind::planar) reach_ = std::numeric_limits<double>::infinity();
+  if (first.is_root()) reach_ = std::numeric_limits<double>::infinity();
   const auto& [lo, hi] = world.bounds();
   // A world's bounds limit the point only where they contain the robot.
   const bool free = world.contain() == Contain::none && std::isfinite(reach_);

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <trellis/base/slice_monitor.hpp>
@@ -15,7 +16,8 @@ struct ManipulatorKinematics::Scratch {
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;
   std::vector<double> weights;  ///< metres of the metric per unit of a coordinate
   std::vector<double> lo;
-  std::vector<double> hi;  ///< at most lo where the coordinate has no limits
+  std::vector<double> hi;       ///< at most lo where the coordinate has no limits
+  std::vector<char> rotations;  ///< whether the coordinate is the first one of a quaternion
 };
 
 ManipulatorKinematics::ManipulatorKinematics(const SphereModel& robot, const Space& space, const PointOnBody& point)
@@ -30,6 +32,13 @@ ManipulatorKinematics::ManipulatorKinematics(const SphereModel& robot, const Spa
     scratch_->weights.push_back(axes[j].weight);
     scratch_->lo.push_back(axes[j].periodic ? 0.0 : axes[j].lo);
     scratch_->hi.push_back(axes[j].periodic ? 0.0 : axes[j].hi);
+  }
+  scratch_->rotations.assign(axes.size(), 0);
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::rotation) continue;
+    scratch_->rotations[factor.column] = 1;
+    for (std::size_t k = 0; k < factor.width(); ++k)
+      scratch_->lo[factor.column + k] = scratch_->hi[factor.column + k] = 0.0;
   }
 }
 
@@ -110,6 +119,24 @@ bool ManipulatorKinematics::solve(MutableView q, const Pose3& target, double nea
         add(body.column + 2, cross(axis, end_.position - frames_[i].position), axis);
         continue;
       }
+      if (body.is_root()) {
+        const Pose3 before = (i == 0 ? robot_.base() : frames_[i - 1]) * body.origin;
+        const std::array<Vec3, 3> units = {Vec3{1.0, 0.0, 0.0}, Vec3{0.0, 1.0, 0.0}, Vec3{0.0, 0.0, 1.0}};
+        if (body.kind == Joint::Kind::translation_2) {
+          const auto [u, v] = across(body.axis);
+          add(body.column, before.orientation(u), {});
+          add(body.column + 1, before.orientation(v), {});
+          continue;
+        }
+        for (std::size_t k = 0; k < units.size(); ++k) {
+          const Vec3 axis = before.orientation(units[k]);
+          add(body.column + k, axis, {});
+          // A quaternion turns by a rotation vector in the frame before, in the columns of its first three coordinates.
+          if (body.kind != Joint::Kind::floating) continue;
+          add(body.column + 3 + k, cross(axis, end_.position - frames_[i].position), axis);
+        }
+        continue;
+      }
       const Vec3 axis = frames_[i].orientation(body.axis);
       if (body.kind == Joint::Kind::prismatic) {
         add(body.column, axis, {});
@@ -141,7 +168,15 @@ bool ManipulatorKinematics::solve(MutableView q, const Pose3& target, double nea
       if (!beyond) break;
     }
     for (std::size_t j = 0; j < columns; ++j) {
-      q[j] += change[static_cast<Eigen::Index>(j)] / scratch_->weights[j];
+      const auto by = [&](std::size_t k) { return change[static_cast<Eigen::Index>(k)] / scratch_->weights[k]; };
+      if (scratch_->rotations[j] != 0) {
+        const Quaternion turned =
+            rotation_of({by(j), by(j + 1), by(j + 2)}) * Quaternion{q[j], q[j + 1], q[j + 2], q[j + 3]};
+        q[j] = turned.x, q[j + 1] = turned.y, q[j + 2] = turned.z, q[j + 3] = turned.w;
+        j += 3;
+        continue;
+      }
+      q[j] += by(j);
       if (scratch_->lo[j] < scratch_->hi[j]) q[j] = std::clamp(q[j], scratch_->lo[j], scratch_->hi[j]);
     }
     space_.normalise(q);

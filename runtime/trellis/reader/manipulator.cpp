@@ -37,12 +37,8 @@ std::string fault_of(const ManipulatorFiles& files, const UrdfFile& urdf, const 
   const auto line = urdf.joint_lines.find(joint.name);
   const std::string place =
       line == urdf.joint_lines.end() ? files.urdf : fmt::format("{}:{}", files.urdf, line->second);
-  if (joint.kind == Joint::Kind::floating) {
-    return fmt::format("{}: joint '{}' is floating: a robot with such a joint is a body that moves freely", place,
-                       joint.name);
-  }
-  if (joint.kind == Joint::Kind::planar && joint.parent != tree.base()) {
-    return fmt::format("{}: joint '{}' is planar and does not move the base", place, joint.name);
+  if (joint.carries_robot() && joint.parent != tree.base()) {
+    return fmt::format("{}: joint '{}' is {} and does not move the base", place, joint.name, to_string(joint.kind));
   }
   if (!joint.plans()) {
     return fmt::format("{}: joint '{}' has the limits {:g} and {:g}: it cannot move", place, joint.name, joint.lo,
@@ -109,7 +105,7 @@ std::vector<std::size_t> moving_joints(const ManipulatorFiles& files, const Urdf
     if (!joint.locked) warnings.push_back(fmt::format("{}; it stays where it is", fault));
   }
   errors.raise();
-  if (files.mobile) moving.push_back(joint_named(tree, "base"));
+  if (files.base) moving.push_back(joint_named(tree, "base"));
   std::sort(moving.begin(), moving.end());
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
   if (moving.empty()) {
@@ -151,8 +147,9 @@ std::optional<Configuration> configuration_of(const SrdfFile::State& state, cons
         std::find_if(state.values.begin(), state.values.end(), [&](const auto& value) { return value.first == j; });
     if (found != state.values.end() && found->second.size() == joint.width()) {
       q.insert(q.end(), found->second.begin(), found->second.end());
-    } else if (joint.kind == Joint::Kind::planar) {
+    } else if (joint.carries_robot()) {
       q.insert(q.end(), joint.width(), 0.0);
+      if (joint.kind == Joint::Kind::floating) q.back() = 1.0;
     } else {
       return std::nullopt;
     }
@@ -278,7 +275,7 @@ std::string excess_text(const KinematicTree& tree, const LinkCovers& covers) {
 SphereModel read_manipulator(const ManipulatorFiles& files, std::vector<std::string>& warnings) {
   const UrdfFile urdf = read_urdf(files.urdf, files.reading);
   warnings.insert(warnings.end(), urdf.warnings.begin(), urdf.warnings.end());
-  const KinematicTree tree = files.mobile ? urdf.tree.on_ground() : urdf.tree;
+  const KinematicTree tree = files.base ? urdf.tree.on_ground(*files.base) : urdf.tree;
   std::optional<SrdfFile> srdf;
   if (!files.srdf.empty()) {
     srdf = read_srdf(files.srdf, tree);

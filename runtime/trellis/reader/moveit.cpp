@@ -56,15 +56,15 @@ class JointValues {
  public:
   explicit JointValues(const Manipulator& robot) : robot_(robot), values_(robot.tree().joints().size()) {
     for (const std::size_t j : robot.moving()) {
-      if (robot.tree().joints()[j].kind == Joint::Kind::planar) planar_ = j;
+      if (robot.tree().joints()[j].carries_robot()) root_ = j;
     }
   }
 
   void set(const std::string& name, double value) {
     const std::size_t slash = name.rfind('/');
     if (const auto coordinate = planar_coordinate(name, slash)) {
-      if (values_[*planar_].empty()) values_[*planar_].assign(3, 0.0);
-      values_[*planar_][*coordinate] = value;
+      if (values_[*root_].empty()) values_[*root_].assign(3, 0.0);
+      values_[*root_][*coordinate] = value;
       return;
     }
     const auto j = robot_.tree().find_joint(name);
@@ -86,8 +86,8 @@ class JointValues {
       values_[joint] = {x, y, rotation_vector(turn).z};
     }
   }
-  /// The joint by which a mobile base moves.
-  [[nodiscard]] std::optional<std::size_t> planar() const { return planar_; }
+  /// The joint by which a base moves.
+  [[nodiscard]] std::optional<std::size_t> root() const { return root_; }
   /// The values of joints that do not move.
   [[nodiscard]] std::vector<std::vector<double>> others() const {
     std::vector<std::vector<double>> all = values_;
@@ -98,7 +98,7 @@ class JointValues {
   /// The first joint that moves and has no value; "" where there is none.
   [[nodiscard]] std::string missing() const {
     for (const std::size_t j : robot_.moving()) {
-      if (values_[j].empty() && j != planar_) return robot_.tree().joints()[j].name;
+      if (values_[j].empty() && j != root_) return robot_.tree().joints()[j].name;
     }
     return "";
   }
@@ -108,7 +108,10 @@ class JointValues {
     for (const std::size_t j : robot_.moving()) {
       const Joint& joint = robot_.tree().joints()[j];
       std::vector<double> value = values_[j];
-      if (value.empty()) value.assign(joint.width(), 0.0);
+      if (value.empty()) {
+        value.assign(joint.width(), 0.0);
+        if (joint.kind == Joint::Kind::floating) value.back() = 1.0;
+      }
       // Files round values at the limits.
       constexpr double rounding = 1e-4;
       const bool limited = joint.kind == Joint::Kind::revolute || joint.kind == Joint::Kind::prismatic;
@@ -122,7 +125,8 @@ class JointValues {
  private:
   /// Variables of a planar joint are "NAME/x", "NAME/y" and "NAME/theta".
   [[nodiscard]] std::optional<std::size_t> planar_coordinate(const std::string& name, std::size_t slash) const {
-    if (!planar_ || slash == std::string::npos) return std::nullopt;
+    const bool planar = root_ && robot_.tree().joints()[*root_].kind == Joint::Kind::planar;
+    if (!planar || slash == std::string::npos) return std::nullopt;
     const std::string end = name.substr(slash + 1);
     if (end == "x") return 0;
     if (end == "y") return 1;
@@ -133,7 +137,7 @@ class JointValues {
   const Manipulator& robot_;
   std::vector<std::vector<double>> values_;  ///< for each joint; empty where it has none
   std::set<std::string> unread_;
-  std::optional<std::size_t> planar_;
+  std::optional<std::size_t> root_;
 };
 
 /// Constraints of a message of MoveIt, whose lists have these names.
@@ -227,7 +231,7 @@ class SceneReader {
       errors_.attempt([&] { read(request_->at("start_state")); });
     }
     errors_.raise();
-    if (base && values_.planar()) {
+    if (base && values_.root()) {
       place_mobile(*base, *base_entry);
     } else if (base && !(*base == Pose3{})) {
       if (given_base == Pose3{}) {
@@ -256,16 +260,18 @@ class SceneReader {
     for (std::size_t i = 0; i < names.size(); ++i) values_.set(names[i].word(), positions[i].number());
   }
 
-  /// A base that moves in the plane is where the scene's virtual joint places it.
+  /// A base that moves is where the scene's virtual joint places it.
   void place_mobile(const Pose3& pose, const YamlEntry& entry) {
+    const bool planar = robot_.robot().tree().joints()[*values_.root()].kind == Joint::Kind::planar;
     constexpr double rounding = 1e-3;
     const Vec3 turn = rotation_vector(pose.orientation);
-    if (std::abs(pose.position.z) > rounding || std::abs(turn.x) > rounding || std::abs(turn.y) > rounding) {
+    if (planar &&
+        (std::abs(pose.position.z) > rounding || std::abs(turn.x) > rounding || std::abs(turn.y) > rounding)) {
       throw entry.error(
           fmt::format("the base is at z = {:g} m, turned by ({:g}, {:g}, {:g}); it moves in the plane z = 0",
                       pose.position.z, turn.x, turn.y, turn.z));
     }
-    values_.set_pose(*values_.planar(), pose);
+    values_.set_pose(*values_.root(), pose);
   }
 
   /// Places the joints that do not move where the scene says.

@@ -106,7 +106,7 @@ struct ManipulatorFiles {
   std::vector<std::string> joints;       ///< that move, in place of a group; without both all that can move do
   std::map<std::string, double> values;  ///< of joints that do not move, radians or metres; others are at 0 or at the
                                          ///< nearest limit
-  bool mobile = false;                   ///< the base moves in the plane, as a planar joint named "base" says
+  std::optional<Joint::Kind> base = {};  ///< planar or floating: the base moves by such a joint, named "base"
   bool self_collision = true;            ///< links must not touch each other
   std::optional<double> cover = {};      ///< how far the balls of links may protrude, in metres; none: as CoverOptions
                                          ///< has it, with more for links that need many balls

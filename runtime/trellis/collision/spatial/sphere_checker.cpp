@@ -265,7 +265,7 @@ class SphereChecker final : public Checker {
 
   /// A bound on how far the robot's points move from a to b.
   [[nodiscard]] double displacement(View a, View b) const {
-    space_.difference(a, b, change_);
+    robot_.change(space_, a, b, change_);
     std::fill(sums_.begin(), sums_.end(), 0.0);
     const std::size_t bodies = sums_.size();
     for (std::size_t j = 0; j < change_.size(); ++j) {
@@ -286,7 +286,7 @@ class SphereChecker final : public Checker {
       const BodyFrame& parent = frames_[body.parent];
       BodyFrame& frame = frames_[b];
       const JointTurn& turn = shared_->turns()[b];
-      if (body.kind == Joint::Kind::planar) {
+      if (body.is_root()) {
         const Pose3 pose = robot_.joint_pose(b, q);
         frame = {times(parent.r, matrix_of(pose.orientation)), parent(pose.position)};
         continue;
@@ -361,7 +361,7 @@ class SphereChecker final : public Checker {
     double sum = 0.0;
     for (std::size_t at = body; at != 0; at = robot_.bodies()[at].parent) {
       const Manipulator::Body& joint = robot_.bodies()[at];
-      if (joint.kind == Joint::Kind::planar) return coarse;
+      if (joint.is_root()) return coarse;
       const double by = half * std::abs(joint.multiplier * change[joint.column]);
       if (by == 0.0) continue;
       if (joint.kind == Joint::Kind::prismatic) {
@@ -485,7 +485,7 @@ class SphereChecker final : public Checker {
           whole_(checker.model_.bodies().size(), 0.0),
           moved_(whole_.size()),
           change_(checker.space_.dimension()) {
-      checker.space_.difference(a, b, change_);
+      checker.robot_.change(checker.space_, a, b, change_);
       for (const std::size_t body : checker.solid_) {
         whole_[body] = checker.shared_->longest_path(body, change_);
         displacement_ = std::max(displacement_, whole_[body]);

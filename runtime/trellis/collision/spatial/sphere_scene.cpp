@@ -295,6 +295,10 @@ double SphereScene::longest_path(std::size_t body, View change) const {
       case Joint::Kind::planar:
         sum += by + std::abs(change[joint.column + 1]) + std::abs(change[joint.column + 2]) * lever.length;
         break;
+      // See Manipulator::change.
+      case Joint::Kind::floating: sum += by + std::abs(change[joint.column + 3]) * lever.length; break;
+      case Joint::Kind::translation_2:
+      case Joint::Kind::translation_3: sum += by; break;
       default: sum += by * lever.length; break;
     }
   }
@@ -320,9 +324,8 @@ double SphereScene::bend(std::size_t body, std::size_t joints, View change) cons
 
 void SphereScene::make_batches(const World3& world, double slack) {
   const auto& bodies = model_.robot().bodies();
-  batched_ = !obstacles_->meshes && std::none_of(bodies.begin(), bodies.end(), [](const Manipulator::Body& body) {
-    return body.kind == Joint::Kind::planar;
-  });
+  batched_ = !obstacles_->meshes &&
+             std::none_of(bodies.begin(), bodies.end(), [](const Manipulator::Body& body) { return body.is_root(); });
   if (!batched_) return;
   balls_ = balls_of(model_.bodies(), model_.parts());
   unsigned centres = 0;

@@ -59,6 +59,12 @@ function bodyPoses(robot, q) {
       const [u, v] = across(body.axis);
       joint.position = u.map((c, k) => c * q[body.column] + v[k] * q[body.column + 1]);
       joint.rotation = turn(body.axis, q[body.column + 2]);
+    } else if (body.kind === 'sliding in a plane') {
+      const [u, v] = across(body.axis);
+      joint.position = u.map((c, k) => c * q[body.column] + v[k] * q[body.column + 1]);
+    } else if (body.kind === 'floating' || body.kind === 'sliding') {
+      joint.position = q.slice(body.column, body.column + 3);
+      if (body.kind === 'floating') joint.rotation = unit(q.slice(body.column + 3, body.column + 7));
     } else joint.rotation = turn(body.axis, value);
     poses.push(joined(joined(poses[body.parent], of(body.origin)), joint));
   }

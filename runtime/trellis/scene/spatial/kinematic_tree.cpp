@@ -38,6 +38,11 @@ Pose3 moved(Joint::Kind kind, const Vec3& axis, View values) {
       const auto [u, v] = across(axis);
       return {values[0] * u + values[1] * v, rotation_of(values[2] * axis)};
     }
+    case Joint::Kind::translation_2: {
+      const auto [u, v] = across(axis);
+      return {values[0] * u + values[1] * v, {}};
+    }
+    case Joint::Kind::translation_3: return {{values[0], values[1], values[2]}, {}};
     case Joint::Kind::floating:
       return {{values[0], values[1], values[2]}, normalised({values[3], values[4], values[5], values[6]})};
   }
@@ -49,6 +54,8 @@ std::size_t width_of(Joint::Kind kind) {
     case Joint::Kind::fixed: return 0;
     case Joint::Kind::planar: return 3;
     case Joint::Kind::floating: return 7;
+    case Joint::Kind::translation_2: return 2;
+    case Joint::Kind::translation_3: return 3;
     default: return 1;
   }
 }
@@ -63,11 +70,17 @@ const char* to_string(Joint::Kind kind) {
     case Joint::Kind::prismatic: return "prismatic";
     case Joint::Kind::planar: return "planar";
     case Joint::Kind::floating: return "floating";
+    case Joint::Kind::translation_2: return "sliding in a plane";
+    case Joint::Kind::translation_3: return "sliding";
   }
   throw Fault("unknown kind of joint");
 }
 
 std::size_t Joint::width() const { return mimic ? 0 : width_of(kind); }
+
+bool Joint::carries_robot() const {
+  return kind == Kind::planar || kind == Kind::floating || kind == Kind::translation_2 || kind == Kind::translation_3;
+}
 
 bool Joint::limited() const { return kind == Kind::revolute || kind == Kind::prismatic; }
 
@@ -222,15 +235,11 @@ std::optional<std::size_t> KinematicTree::joint_of(std::size_t link) const {
   return joint_of_[link] < joints_.size() ? std::optional(joint_of_[link]) : std::nullopt;
 }
 
-KinematicTree KinematicTree::on_ground() const {
+KinematicTree KinematicTree::on_ground(Joint::Kind kind) const {
   std::vector<Link> links = links_;
   links.push_back({"ground", {}});
   std::vector<Joint> joints = joints_;
-  joints.push_back({.name = "base",
-                    .kind = Joint::Kind::planar,
-                    .parent = links.size() - 1,
-                    .child = base_,
-                    .axis = {0.0, 0.0, 1.0}});
+  joints.push_back({.name = "base", .kind = kind, .parent = links.size() - 1, .child = base_, .axis = {0.0, 0.0, 1.0}});
   return {name_, std::move(links), std::move(joints)};
 }
 
@@ -258,19 +267,17 @@ Manipulator::Manipulator(KinematicTree tree, std::vector<std::size_t> moving,
           fmt::format("joint '{}' cannot move by itself: it {}", joint.name,
                       joint.mimic ? fmt::format("follows '{}'", joints[joint.mimic->joint].name) : "is fixed"));
     }
-    if (joint.kind == Joint::Kind::floating) {
-      throw TreeError(
-          TreeError::Part::joint, j,
-          fmt::format("joint '{}' is floating: a robot with such a joint is a body that moves freely", joint.name));
-    }
-    if (joint.kind == Joint::Kind::planar && joint.parent != tree_.base()) {
+    if (joint.carries_robot() && joint.parent != tree_.base()) {
       throw TreeError(TreeError::Part::joint, j,
-                      fmt::format("joint '{}' is planar and does not move the base", joint.name));
+                      fmt::format("joint '{}' is {} and does not move the base", joint.name, to_string(joint.kind)));
     }
     if (moves[j] != 0) throw Error(fmt::format("joint '{}' is named twice", joint.name));
     moves[j] = 1;
     column[j] = dimension_;
     dimension_ += joint.width();
+    if (joint.carries_robot() && joint.kind != Joint::Kind::planar) {
+      positions_.emplace_back(column[j], joint.kind == Joint::Kind::translation_2 ? 2 : 3);
+    }
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (joints[j].mimic && moves[joints[j].mimic->joint] != 0) moves[j] = 2;
@@ -346,6 +353,13 @@ void Manipulator::add_reaches() {
           reach_[b][body.column + 1] += 1.0;
           reach_[b][body.column + 2] += far;
           break;
+        // See `change`: the first coordinate has the distance, the fourth the angle.
+        case Joint::Kind::floating:
+          reach_[b][body.column] += 1.0;
+          reach_[b][body.column + 3] += far;
+          break;
+        case Joint::Kind::translation_2:
+        case Joint::Kind::translation_3: reach_[b][body.column] += 1.0; break;
         default: reach_[b][body.column] += scale * far; break;
       }
       far += norm(body.origin.position) + extension(at);
@@ -354,10 +368,7 @@ void Manipulator::add_reaches() {
 }
 
 bool Manipulator::has_fixed_base() const {
-  return std::none_of(moving_.begin(), moving_.end(), [&](std::size_t j) {
-    const Joint::Kind kind = tree_.joints()[j].kind;
-    return kind == Joint::Kind::planar || kind == Joint::Kind::floating;
-  });
+  return std::none_of(moving_.begin(), moving_.end(), [&](std::size_t j) { return tree_.joints()[j].carries_robot(); });
 }
 
 double Manipulator::extension(std::size_t body) const {
@@ -390,9 +401,11 @@ Manipulator Manipulator::attached(const Link& link, std::size_t to) const {
   return {std::move(tree), std::move(moving), values};
 }
 
+std::size_t Manipulator::width(std::size_t body) const { return width_of(bodies_[body].kind); }
+
 Pose3 Manipulator::joint_pose(std::size_t body, View q) const {
   const Body& of = bodies_[body];
-  if (of.kind == Joint::Kind::planar) return of.origin * moved(of.kind, of.axis, q.subspan(of.column, 3));
+  if (of.is_root()) return of.origin * moved(of.kind, of.axis, q.subspan(of.column, width_of(of.kind)));
   const double value = of.multiplier * q[of.column] + of.offset;
   return of.origin * moved_by(of.kind, of.axis, value);
 }
@@ -407,6 +420,30 @@ Pose3 Manipulator::pose_of(std::size_t link, View q) const {
   std::vector<Pose3> all;
   poses(q, all);
   return all[body_of_[link]] * in_body_[link];
+}
+
+void Manipulator::change(const Space& space, View a, View b, MutableView out) const {
+  if (space.flat()) {
+    space.difference(a, b, out);
+  } else {
+    for (const Factor& factor : space.factors()) {
+      const std::size_t j = factor.column;
+      if (factor.kind == Factor::Kind::rotation) {
+        const auto turn = [&](View q) { return normalised({q[j], q[j + 1], q[j + 2], q[j + 3]}); };
+        std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(j), factor.width(), 0.0);
+        out[j] = angle_between(turn(a), turn(b));
+      } else {
+        out[j] = b[j] - a[j];
+        if (factor.kind == Factor::Kind::circle) out[j] = std::remainder(out[j], factor.axis.period());
+      }
+    }
+  }
+  for (const auto& [column, count] : positions_) {
+    double squares = 0.0;
+    for (std::size_t k = 0; k < count; ++k) squares += out[column + k] * out[column + k];
+    std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(column), count, 0.0);
+    out[column] = std::sqrt(squares);
+  }
 }
 
 double Manipulator::displacement_bound(std::size_t body, View change) const {

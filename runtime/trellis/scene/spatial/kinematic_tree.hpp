@@ -11,6 +11,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/scene/spatial/shapes.hpp>
+#include <trellis/space/space.hpp>
 
 namespace trellis {
 
@@ -24,11 +25,13 @@ struct Link {
 struct Joint {
   enum class Kind : std::uint8_t {
     fixed,
-    revolute,    ///< turns about the axis within limits
-    continuous,  ///< turns about the axis without limits
-    prismatic,   ///< slides along the axis within limits
-    planar,      ///< three coordinates: slides along two directions across the axis, then turns about it
-    floating     ///< seven coordinates: a position and a quaternion x, y, z, w
+    revolute,       ///< turns about the axis within limits
+    continuous,     ///< turns about the axis without limits
+    prismatic,      ///< slides along the axis within limits
+    planar,         ///< three coordinates: slides along two directions across the axis, then turns about it
+    floating,       ///< seven coordinates: a position and a quaternion x, y, z, w
+    translation_2,  ///< two coordinates: slides along two directions across the axis
+    translation_3   ///< three coordinates: a position
   };
   /// The coordinate follows that of another joint: multiplier * value + offset.
   struct Mimic {
@@ -51,6 +54,9 @@ struct Joint {
 
   /// The number of its coordinates: 0 where it is fixed or follows another.
   [[nodiscard]] std::size_t width() const;
+  /// Whether it is of the kinds that carry a whole robot, whose limits are the bounds of the world: planar, floating
+  /// and translations. Such a joint is the root of a robot of a team.
+  [[nodiscard]] bool carries_robot() const;
   /// Whether it has limits: a revolute or a prismatic joint.
   [[nodiscard]] bool limited() const;
   /// Whether a planner can move it: it has coordinates, is not locked, and its limits are not one value.
@@ -62,7 +68,7 @@ struct Joint {
 /// \param axis  of norm 1
 std::pair<Vec3, Vec3> across(const Vec3& axis);
 
-/// The name of a kind in URDF: "revolute".
+/// The name of a kind, in URDF where it has one: "revolute".
 const char* to_string(Joint::Kind kind);
 
 /// A fault of a tree's links or joints, and which one has it, so that readers name its line.
@@ -96,8 +102,9 @@ class KinematicTree {
   [[nodiscard]] std::size_t base() const { return base_; }
   /// The joint whose child a link is; none for the base.
   [[nodiscard]] std::optional<std::size_t> joint_of(std::size_t link) const;
-  /// Returns the robot with a planar joint, named "base", under its base: of the link "ground", which is the new base.
-  [[nodiscard]] KinematicTree on_ground() const;
+  /// Returns the robot with a joint, named "base", under its base: of the link "ground", which is the new base.
+  /// \param kind  planar, floating or a translation; the axis across which it slides is z
+  [[nodiscard]] KinematicTree on_ground(Joint::Kind kind = Joint::Kind::planar) const;
   [[nodiscard]] std::optional<std::size_t> find_link(const std::string& name) const;
   [[nodiscard]] std::optional<std::size_t> find_joint(const std::string& name) const;
   /// Whether fixed joints connect two links.
@@ -127,6 +134,9 @@ class Manipulator {
  public:
   /// A part that moves as a whole: links between which no joint moves.
   struct Body {
+    /// Whether its joint carries a whole robot; see Joint.
+    [[nodiscard]] bool is_root() const { return Joint{.kind = kind}.carries_robot(); }
+
     std::string name;  ///< of its first link
     std::vector<std::size_t> links = {};
     std::size_t parent = 0;  ///< the body that carries it; its own number for the base
@@ -152,7 +162,7 @@ class Manipulator {
   /// The base first; each body comes after its parent.
   [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
-  /// Whether no joint that moves carries the whole robot: joints between the world and a base are planar or floating.
+  /// Whether no joint that moves carries a whole robot.
   [[nodiscard]] bool has_fixed_base() const;
   /// The body that a link belongs to, and the pose of the link in the body's frame.
   [[nodiscard]] std::size_t body_of(std::size_t link) const { return body_of_[link]; }
@@ -161,12 +171,21 @@ class Manipulator {
   /// Computes the poses of all bodies in the frame of the base (forward kinematics).
   /// \param q  `dimension` numbers, which is not checked
   void poses(View q, std::vector<Pose3>& out) const;
+  /// Returns how many coordinates, from `column` on, the joint of a body has; 1 where it follows another one.
+  [[nodiscard]] std::size_t width(std::size_t body) const;
   /// Returns the pose of a body in its parent's frame.
   [[nodiscard]] Pose3 joint_pose(std::size_t body, View q) const;
   /// Returns the pose of a link in the frame of the base.
   [[nodiscard]] Pose3 pose_of(std::size_t link, View q) const;
+  /// Computes how much the coordinates change from a to b, as the bounds on displacements read it: the difference of
+  /// each, but of a floating joint and of translations the distance in the place of the first coordinate of the
+  /// position, the angle of the turn in that of the first one of the quaternion, and 0 for the others. \param space  of
+  /// the robot's configurations, with any coordinates after the robot's \param a, b  configurations of `space` \param
+  /// out  receives so many numbers as a configuration has
+  void change(const Space& space, View a, View b, MutableView out) const;
   /// Returns a bound, in metres, on how far the points of a body move on the straight motion whose coordinates change
   /// by these amounts.
+  /// \param change  see the function of that name
   [[nodiscard]] double displacement_bound(std::size_t body, View change) const;
   /// The farthest that a prismatic joint slides a body from its joint's frame, in metres; 0 for other joints.
   [[nodiscard]] double extension(std::size_t body) const;
@@ -187,6 +206,7 @@ class Manipulator {
   std::vector<Body> bodies_;
   std::vector<std::size_t> body_of_;
   std::vector<Pose3> in_body_;
+  std::vector<std::pair<std::size_t, std::size_t>> positions_;  ///< of floating joints and translations: column, count
   /// For each body and coordinate: metres that its points move, at most, for a unit of the coordinate.
   std::vector<std::vector<double>> reach_;
 };

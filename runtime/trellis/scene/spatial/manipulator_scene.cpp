@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
@@ -312,6 +314,23 @@ void SphereModel::enclose() {
   }
 }
 
+double SphereModel::radius_carried_by(std::size_t joint) const {
+  const std::size_t carrier = robot_.body_of(robot_.tree().joints()[joint].child);
+  double radius = 0.0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    double far = 0.0;
+    for (std::size_t i = 1; i < bodies_[b].size(); ++i) {
+      far = std::max(far, norm(bodies_[b][i].centre) + bodies_[b][i].radius);
+    }
+    std::size_t at = b;
+    for (; at != carrier && at != 0; at = robot_.bodies()[at].parent) {
+      far += norm(robot_.bodies()[at].origin.position) + robot_.extension(at);
+    }
+    if (at == carrier) radius = std::max(radius, far);
+  }
+  return radius;
+}
+
 SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
   if (robots.size() < 2) throw Error("robots: a team has at least two robots");
   std::vector<Link> links = {{"world", {}}};
@@ -337,7 +356,7 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
     const std::size_t first_moving = one.moving().front();
     // The parent of a base that moves is the world itself. A fixed one follows a joint of its robot by a factor of 0:
     // it stays where it is, and is a body that the other robots must not touch.
-    const bool moves = tree.joints()[first_moving].kind == Joint::Kind::planar;
+    const bool moves = tree.joints()[first_moving].carries_robot();
     joints.push_back({.name = named("base of the team"),
                       .kind = moves ? Joint::Kind::fixed : Joint::Kind::continuous,
                       .parent = 0,
@@ -347,7 +366,7 @@ SphereModel SphereModel::team(const std::vector<SphereModel>& robots) {
     if (!moves) joints.back().mimic = Joint::Mimic{first_joint + 1 + first_moving, 0.0, 0.0};
     for (std::size_t j = 0; j < tree.joints().size(); ++j) {
       Joint joint = tree.joints()[j];
-      if (joint.kind == Joint::Kind::planar && joint.parent == tree.base()) {
+      if (joint.carries_robot() && joint.parent == tree.base()) {
         joint.parent = 0;
         joint.origin = robots[i].base() * joint.origin;
       } else {
@@ -398,7 +417,7 @@ std::vector<TeamMember> SphereModel::members() const {
   for (std::size_t b = 1; b < bodies.size(); ++b) {
     std::size_t root = b;
     while (bodies[root].parent != 0) root = bodies[root].parent;
-    const std::size_t width = bodies[b].kind == Joint::Kind::planar ? 3 : 1;
+    const std::size_t width = robot_.width(b);
     for (std::size_t k = 0; k < width; ++k) {
       std::size_t& of = owner[bodies[b].column + k];
       if (of == 0) of = root;
@@ -571,8 +590,8 @@ std::optional<SphereModel> SphereModel::reduced(const std::vector<std::size_t>& 
   std::vector<char> determined(all.size(), 1);
   bool any = false;
   for (std::size_t b = 1; b < all.size(); ++b) {
-    bool own = keeps(all[b].column);
-    if (all[b].kind == Joint::Kind::planar) own = own && keeps(all[b].column + 1) && keeps(all[b].column + 2);
+    bool own = true;
+    for (std::size_t k = 0; k < robot_.width(b); ++k) own = own && keeps(all[b].column + k);
     determined[b] = own && determined[all[b].parent] != 0 ? 1 : 0;
     any = any || (determined[b] != 0 && !bodies_[b].empty());
   }
@@ -624,24 +643,74 @@ std::optional<SphereModel> SphereModel::reduced(const std::vector<std::size_t>& 
   return part;
 }
 
+namespace {
+
+/// Returns the axes of the coordinates of a joint; those of a quaternion too.
+std::vector<Axis> axes_of(const Joint& joint, const Box3& bounds, double weight) {
+  constexpr double pi = std::numbers::pi;
+  const auto position = [&](std::size_t count) {
+    std::vector<Axis> axes = {{joint.name + ".x", bounds.lo.x, bounds.hi.x, 1.0, false},
+                              {joint.name + ".y", bounds.lo.y, bounds.hi.y, 1.0, false},
+                              {joint.name + ".z", bounds.lo.z, bounds.hi.z, 1.0, false}};
+    axes.resize(count);
+    return axes;
+  };
+  switch (joint.kind) {
+    case Joint::Kind::fixed: return {};
+    case Joint::Kind::prismatic: return {{joint.name, joint.lo, joint.hi, 1.0, false}};
+    case Joint::Kind::continuous: return {{joint.name, -pi, pi, weight, true}};
+    case Joint::Kind::revolute: return {{joint.name, joint.lo, joint.hi, weight, false}};
+    case Joint::Kind::translation_2: return position(2);
+    case Joint::Kind::translation_3: return position(3);
+    case Joint::Kind::planar: {
+      std::vector<Axis> axes = position(2);
+      axes.push_back({joint.name + ".theta", -pi, pi, weight, true});
+      return axes;
+    }
+    case Joint::Kind::floating: {
+      std::vector<Axis> axes = position(3);
+      for (const char* of : {"x", "y", "z", "w"}) {
+        axes.push_back({fmt::format("{}.rotation.{}", joint.name, of), -1.0, 1.0, weight, false});
+      }
+      return axes;
+    }
+  }
+  throw Fault("unknown kind of joint");
+}
+
+}  // namespace
+
 std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight) {
   std::vector<Axis> axes;
   for (const std::size_t j : robot.moving()) {
-    const Joint& joint = robot.tree().joints()[j];
-    switch (joint.kind) {
-      case Joint::Kind::prismatic: axes.push_back({joint.name, joint.lo, joint.hi, 1.0, false}); break;
-      case Joint::Kind::continuous:
-        axes.push_back({joint.name, -std::numbers::pi, std::numbers::pi, weight, true});
-        break;
-      case Joint::Kind::planar:
-        axes.push_back({joint.name + ".x", bounds.lo.x, bounds.hi.x, 1.0, false});
-        axes.push_back({joint.name + ".y", bounds.lo.y, bounds.hi.y, 1.0, false});
-        axes.push_back({joint.name + ".theta", -std::numbers::pi, std::numbers::pi, weight, true});
-        break;
-      default: axes.push_back({joint.name, joint.lo, joint.hi, weight, false}); break;
-    }
+    const std::vector<Axis> own = axes_of(robot.tree().joints()[j], bounds, weight);
+    axes.insert(axes.end(), own.begin(), own.end());
   }
   return axes;
+}
+
+Space joint_space(const Manipulator& robot, const Box3& bounds, const std::function<double(std::size_t)>& weight) {
+  std::vector<std::pair<double, Space>> factors;
+  std::vector<Axis> axes;  // of the joints since the last rotation
+  const auto close = [&] {
+    if (!axes.empty()) factors.emplace_back(1.0, Space("R", std::exchange(axes, {})));
+  };
+  for (const std::size_t j : robot.moving()) {
+    const Joint& joint = robot.tree().joints()[j];
+    const std::vector<Axis> own = axes_of(joint, bounds, weight(j));
+    const bool turns = joint.kind == Joint::Kind::floating;
+    axes.insert(axes.end(), own.begin(), turns ? own.end() - 4 : own.end());
+    if (!turns) continue;
+    close();
+    factors.emplace_back(1.0, Space::so3(weight(j), joint.name + ".rotation"));
+  }
+  std::string name = fmt::format("joints of {}", robot.tree().name());
+  if (factors.empty()) return {std::move(name), std::move(axes)};
+  close();
+  const Space product = Space::product(factors);
+  std::vector<std::size_t> all(product.dimension());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return product.part(all, std::move(name));
 }
 
 SphereModel::Pairs likely_contacts(const KinematicTree& tree, const LinkCovers& covers,
@@ -724,8 +793,15 @@ std::optional<ThinnestObstacle> ManipulatorScene::thinnest_obstacle() const {
   return SpatialScene(world, Robot3::point()).thinnest_obstacle();
 }
 
+Space ManipulatorScene::own_space() const {
+  const auto& joints = robot.robot().tree().joints();
+  return joint_space(robot.robot(), world.bounds(), [&](std::size_t j) {
+    return joints[j].kind == Joint::Kind::floating ? robot.radius_carried_by(j) : 1.0;
+  });
+}
+
 Space ManipulatorScene::default_space(double weight) const {
-  return {fmt::format("joints of {}", robot_name()), joint_axes(robot.robot(), world.bounds(), weight)};
+  return joint_space(robot.robot(), world.bounds(), [&](std::size_t) { return weight; });
 }
 
 std::shared_ptr<const Scene> ManipulatorScene::shrunken(double scale) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -119,6 +120,9 @@ class SphereModel {
   [[nodiscard]] bool covers_shapes() const { return covers_shapes_; }
   /// Returns a bound on the distance of the robot's points from its base at all configurations.
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
+  /// Returns a bound on the distance of the points that a joint carries from the origin of its child's frame.
+  /// \param joint  one that moves
+  [[nodiscard]] double radius_carried_by(std::size_t joint) const;
   /// The middle of the last body of the longest chain of joints: of the hand of an arm with one.
   [[nodiscard]] PointOnBody tip() const;
   /// The tips of its members: of a robot with one part that moves, `tip`.
@@ -206,10 +210,16 @@ class SphereModel {
 /// a joint connects them, or joints with only links without collision geometry between them.
 SphereModel::Pairs neighbours(const KinematicTree& tree);
 
-/// Returns the axes of a robot's configurations: of each joint that moves its own, in order.
-/// \param bounds  of the positions of a base that moves
-/// \param weight  metres of the metric per radian
+/// Returns the coordinates of a robot's configurations: of each joint that moves its own, in order; of a quaternion
+/// four from -1 to 1. \param bounds  of the positions of a base that moves \param weight  metres of the metric per
+/// radian
 std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight);
+/// Returns the space of a robot's configurations: a line for each joint with limits, a circle for each one without, and
+/// the rotations of space for each floating joint.
+/// \param bounds  of the positions of a base that moves
+/// \param weight  for a joint that moves, by its number in the tree: metres of the metric per radian, greater than 0
+/// \throws Error for another weight
+Space joint_space(const Manipulator& robot, const Box3& bounds, const std::function<double(std::size_t)>& weight);
 
 /// Returns pairs of links that touch in at least 95 % of 1000 configurations of all joints, which are drawn uniformly
 /// within their limits, the same ones each time: hardly a configuration would be valid. A base that moves stays.
@@ -235,7 +245,10 @@ class ManipulatorScene final : public SceneOf<World3, SphereModel> {
   [[nodiscard]] std::size_t body_count() const override { return robot.bodies().size(); }
   [[nodiscard]] std::string body_name(std::size_t body) const override;
   [[nodiscard]] std::vector<TeamMember> members() const override { return robot.members(); }
-  /// A line for each joint with limits, a circle for each one without.
+  /// The same as `default_space` with the weight 1, but where a joint is floating a radian weighs the radius of what it
+  /// carries: so the metric bounds how far its points move.
+  [[nodiscard]] Space own_space() const;
+  /// See joint_space.
   [[nodiscard]] Space default_space(double weight) const override;
   [[nodiscard]] std::shared_ptr<const Scene> shrunken(double scale) const override;
   [[nodiscard]] std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const override;
