@@ -86,9 +86,4 @@ std::vector<double> wraps(const Space& space, View a, View difference) {
   return found;
 }
 
-void refuse_motion(double displacement, double resolution) {
-  throw Error(fmt::format("a motion of {} m at resolution {} m would take checks of more than {} configurations",
-                          displacement, resolution, most_configurations));
-}
-
 }  // namespace trellis

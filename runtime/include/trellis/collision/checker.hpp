@@ -14,6 +14,8 @@
 
 namespace trellis {
 
+class NarrowPhase;
+
 /// The result of the validity check of a motion.
 struct MotionReport {
   bool valid = false;
@@ -68,13 +70,20 @@ struct Proximity {
 ///
 /// A checker has scratch memory: only one thread may use it at a time. Create one per level and run; construction is
 /// cheap for small worlds.
-class Checker {
+class Checker final {
  public:
-  virtual ~Checker() = default;
+  /// The functions below make checkers (make_checker).
+  /// \param scene  of the narrow phase; used during the call only
+  /// \param phase  not nullptr: contacts and distances of the scene's robot
+  /// \param resolution  as of make_planar_checker; it is not checked
+  Checker(const Scene& scene, std::unique_ptr<NarrowPhase> phase, double resolution);
+  Checker(const Checker&) = delete;
+  Checker& operator=(const Checker&) = delete;
+  ~Checker();
 
   /// Whether q is valid, as defined above.
   /// \param q  any coordinates, NaN and infinity too
-  [[nodiscard]] virtual bool valid(View q) const = 0;
+  [[nodiscard]] bool valid(View q) const;
   /// Validates the motion from a to b.
   /// \param a  valid; it is not checked
   /// \param b  the end, which is checked
@@ -85,38 +94,41 @@ class Checker {
   /// \param b  the end, which is checked
   /// \param n  as defined above; 0: it is computed
   /// \throws Error for a motion whose n exceeds 2^26
-  [[nodiscard]] virtual MotionReport validate(View a, View b, std::uint32_t n) const = 0;
+  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const;
   /// Returns n as defined above: what `motion` checks at most.
   /// \param a, b  the ends of the motion
   /// \throws Error for a motion whose n exceeds 2^26
-  [[nodiscard]] virtual std::uint32_t most_checks(View a, View b) const = 0;
+  [[nodiscard]] std::uint32_t most_checks(View a, View b) const;
   /// Adds the motion from a to b, both included, to a certificate that is valid so far. What has no collision geometry,
   /// the bounds of the space and limits of a motion model, is not part of it.
   /// \param a, b  the ends of the motion
   /// \param certificate  not refuted; receives distances, checks and the place where the motion is refuted
-  virtual void certify(View a, View b, Certificate& certificate) const = 0;
+  void certify(View a, View b, Certificate& certificate) const;
   /// Returns the distance in metres from the robot at q to the nearest obstacle or, from inside, to the boundary, and
   /// between the bodies of self-collision pairs; 0 in collision.
   /// \param q  finite coordinates
-  [[nodiscard]] virtual double clearance(View q) const = 0;
+  [[nodiscard]] double clearance(View q) const;
   /// Returns the obstacle of the world that is nearest to the robot at q; none without obstacles. Unlike `clearance` it
   /// considers neither the boundary nor self-collision pairs.
   /// \param q  finite coordinates
-  [[nodiscard]] virtual std::optional<Proximity> nearest_obstacle(View q) const = 0;
+  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const;
   /// Returns a lower bound, in the space's metric, on the distance from q to the nearest valid configuration: every
   /// nearer configuration is invalid too. 0 where q is valid or the checker has no bound; at most the diameter of the
   /// space. Does not decide validity: call it at an invalid configuration.
   /// \param q  invalid; it is not checked
-  [[nodiscard]] virtual double invalid_radius(View q) const {
-    static_cast<void>(q);
-    return 0.0;
-  }
+  [[nodiscard]] double invalid_radius(View q) const;
   /// Returns the contact of the robot at q, the first in the order of bodies and obstacles, then of self-collision
   /// pairs; none when q is valid.
   /// \param q  valid or not
-  [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;
+  [[nodiscard]] std::optional<Contact> contact(View q) const;
   /// Returns what its checks cost.
-  [[nodiscard]] virtual CheckCost cost() const = 0;
+  [[nodiscard]] const CheckCost& cost() const { return cost_; }
+
+ private:
+  std::unique_ptr<NarrowPhase> phase_;  ///< the backend's part
+  std::size_t dimension_;               ///< of the coordinates that move the robot, which come first
+  double resolution_;
+  CheckCost cost_;
 };
 
 /// Returns Trellis' own backend: separating axes and exact distances, eight poses of a motion per step. A grid over the

@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/collision/checker.hpp>
 #include <trellis/collision/common.hpp>
-#include <trellis/collision/orders.hpp>
+#include <trellis/collision/narrow_phase.hpp>
 #include <trellis/collision/planar/distance.hpp>
+#include <trellis/collision/planar/planar_checker.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
@@ -140,11 +140,11 @@ bool overlap(const Box2& a, const Box2& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y;
 }
 
-class FclChecker final : public Checker {
+/// FCL among the parts of the world as prisms in a dynamic tree.
+class FclPhase final : public NarrowPhase {
  public:
-  FclChecker(std::shared_ptr<const PlanarScene> scene, Space space, double resolution)
-      : scene_(std::move(scene)), robot_(scene_->robot), space_(std::move(space)), resolution_(resolution) {
-    check_fits(*scene_, space_, resolution_);
+  FclPhase(std::shared_ptr<const PlanarScene> scene, Space space)
+      : scene_(std::move(scene)), robot_(scene_->robot), space_(std::move(space)) {
     slack_ = touching_slack(*scene_);
     scale_ = scale_of(scene_->world);
     const auto& world = scene_->world;
@@ -198,55 +198,49 @@ class FclChecker final : public Checker {
     request_.gjk_tolerance = 1e-14;
   }
 
-  [[nodiscard]] bool valid(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return false;
-    robot_.place(q, frames_);
-    return std::none_of(pieces_.begin(), pieces_.end(), [&](Piece& piece) { return invalid_by_tree(piece); }) &&
-           std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meeting(pair); });
+  [[nodiscard]] double displacement(View a, View b) const override { return robot_.displacement_bound(space_, a, b); }
+
+  Decision begin(View a, View b, std::uint32_t n) override {
+    a_ = a;
+    b_ = b;
+    n_ = n;
+    by_tree_ = true;
+    if (!sweepable_) return Decision::undecided;
+    const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
+    const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
+    const double radius = robot_.bounding_radius() + slack_;
+    const Box2 swept{{std::min(from.x, to.x) - radius, std::min(from.y, to.y) - radius},
+                     {std::max(from.x, to.x) + radius, std::max(from.y, to.y) + radius}};
+    look_up(swept);
+    if (found_.empty() && pairs_.empty() && margin_inside(swept, scene_->world.bounds()) >= 0.0) {
+      return Decision::valid;
+    }
+    constexpr std::size_t few = 16;
+    by_tree_ = found_.size() > few;
+    return Decision::undecided;
   }
 
-  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
-    return configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+  Batch check(const Order& order, std::uint32_t rank) override {
+    return one_by_one(rank, n_, [&](std::uint32_t at) {
+      space_.interpolate(a_, b_, order.share(at), q_);
+      return touches_at(q_, by_tree_);
+    });
   }
-  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
-    if (n == 0) n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
-    bool by_tree = true;
-    if (sweepable_) {
-      const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
-      const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
-      const double radius = robot_.bounding_radius() + slack_;
-      const Box2 swept{{std::min(from.x, to.x) - radius, std::min(from.y, to.y) - radius},
-                       {std::max(from.x, to.x) + radius, std::max(from.y, to.y) + radius}};
-      look_up(swept);
-      if (found_.empty() && pairs_.empty() && margin_inside(swept, scene_->world.bounds()) >= 0.0) {
-        return {true, n, std::numeric_limits<double>::quiet_NaN()};
-      }
-      constexpr std::size_t few = 16;
-      by_tree = found_.size() > few;
-    }
-    const Order& order = order_of(n);
-    for (std::uint32_t rank = 0; rank < n; ++rank) {
-      space_.interpolate(a, b, order.share(rank), q_);
-      robot_.place(q_, frames_);
-      for (Piece& piece : pieces_) {
-        if (by_tree ? invalid_by_tree(piece) : invalid_by_found(piece)) return {false, rank + 1, order.share(rank)};
-      }
-      for (const Pair& pair : pairs_) {
-        if (meeting(pair)) return {false, rank + 1, order.share(rank)};
-      }
-    }
-    // FCL has no segments.
-    if (robot_.is_point()) return exact().motion(a, b);
-    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+
+  /// FCL has no segments.
+  std::optional<double> end(std::uint32_t first) override {
+    if (first < n_ || !robot_.is_point()) return std::nullopt;
+    return exact().begin(a_, b_, n_) == Decision::valid ? std::nullopt : exact().end(n_);
   }
 
   /// FCL's distances have errors of about 1e-6 m, too large for a certificate.
-  void certify(View a, View b, Certificate& certificate) const override { exact().certify(a, b, certificate); }
+  bool sweep(View a, View b, Certificate& certificate) override { return exact().sweep(a, b, certificate); }
+  Distances on(View a, View b, double longest) override { return exact().on(a, b, longest); }
+
+  [[nodiscard]] bool touches(View q) const override { return touches_at(q, true); }
 
   [[nodiscard]] double clearance(View q) const override {
-    if (!valid(q)) return 0.0;
+    if (touches(q)) return 0.0;
     double best = std::numeric_limits<double>::infinity();
     fcl::DistanceRequestd request;
     for (Piece& piece : pieces_) {
@@ -275,9 +269,7 @@ class FclChecker final : public Checker {
   /// FCL's distances and nearest points have errors of about 1e-6 m.
   [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override { return exact().nearest_obstacle(q); }
 
-  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     robot_.place(q, frames_);
     for (std::size_t first = 0; first < pieces_.size();) {
       const std::size_t body = pieces_[first].body;
@@ -320,28 +312,37 @@ class FclChecker final : public Checker {
 
   /// The data that FCL passes to the callback of a tree query through one untyped pointer.
   struct Query {
-    const FclChecker* checker;
+    const FclPhase* phase;
     const Solid* solid = nullptr;  ///< nullptr: only collect the objects whose boxes overlap
     const Transform3* frame = nullptr;
     bool hit = false;
   };
 
-  /// Returns Trellis' own checker.
-  [[nodiscard]] const Checker& exact() const {
-    if (!exact_) exact_ = make_planar_checker(scene_, space_, resolution_);
+  /// Returns Trellis' own narrow phase.
+  [[nodiscard]] NarrowPhase& exact() const {
+    if (!exact_) exact_ = make_planar_phase(scene_, space_);
     return *exact_;
+  }
+
+  /// Whether the robot touches something at q.
+  /// \param by_tree  whether to ask the tree; else the obstacles of `found_` are all that may be near
+  [[nodiscard]] bool touches_at(View q, bool by_tree) const {
+    robot_.place(q, frames_);
+    return std::any_of(pieces_.begin(), pieces_.end(),
+                       [&](Piece& piece) { return by_tree ? invalid_by_tree(piece) : invalid_by_found(piece); }) ||
+           std::any_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meeting(pair); });
   }
 
   static bool on_pair(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second, void* data) {
     auto& query = *static_cast<Query*>(data);
-    const FclChecker& checker = *query.checker;
-    const auto* object = first == &checker.probe_ ? second : first;
-    const auto i = static_cast<std::size_t>(static_cast<const Box2*>(object->getUserData()) - checker.boxes_.data());
+    const FclPhase& phase = *query.phase;
+    const auto* object = first == &phase.probe_ ? second : first;
+    const auto i = static_cast<std::size_t>(static_cast<const Box2*>(object->getUserData()) - phase.boxes_.data());
     if (query.solid == nullptr) {
-      checker.found_.push_back(i);
+      phase.found_.push_back(i);
       return false;
     }
-    query.hit = checker.meet(*query.solid, *query.frame, i);
+    query.hit = phase.meet(*query.solid, *query.frame, i);
     return query.hit;
   }
 
@@ -422,7 +423,6 @@ class FclChecker final : public Checker {
   std::shared_ptr<const PlanarScene> scene_;
   const Robot& robot_;
   Space space_;
-  double resolution_;
   double slack_ = 0.0;
   double scale_ = 1.0;  ///< of what FCL receives
   bool sweepable_ = false;
@@ -432,7 +432,13 @@ class FclChecker final : public Checker {
   std::vector<Pair> pairs_;
   fcl::CollisionRequestd request_;
 
-  mutable std::unique_ptr<Checker> exact_;  ///< made at the first call of `exact`
+  mutable std::unique_ptr<NarrowPhase> exact_;  ///< made at the first call of `exact`
+
+  // The motion that has begun.
+  View a_;
+  View b_;
+  std::uint32_t n_ = 0;
+  bool by_tree_ = true;  ///< more obstacles are near it than `found_` serves for
 
   // Scratch.
   mutable fcl::DynamicAABBTreeCollisionManagerd tree_;
@@ -448,7 +454,9 @@ class FclChecker final : public Checker {
 }  // namespace
 
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution) {
-  return std::make_unique<FclChecker>(planar_scene(std::move(scene)), space, resolution);
+  auto planar = planar_scene(std::move(scene));
+  check_fits(*planar, space, resolution);
+  return std::make_unique<Checker>(*planar, std::make_unique<FclPhase>(planar, space), resolution);
 }
 
 }  // namespace trellis

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/collision/planar/planar_checker.hpp>
-#include <trellis/scene/planar/scene.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -22,6 +20,7 @@
 #include <trellis/collision/planar/segment.hpp>
 #include <trellis/collision/planar/separation.hpp>
 #include <trellis/scene/cache_by_world.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -127,19 +126,18 @@ std::shared_ptr<const Obstacles> obstacles_of(const World& world, double slack) 
   return cache.get(world, slack, [&](const World& of) { return Obstacles(of, slack); });
 }
 
-class PlanarChecker final : public Checker {
+/// Separating axes, eight poses in a step, and exact distances.
+class PlanarPhase final : public NarrowPhase {
  public:
-  PlanarChecker(std::shared_ptr<const PlanarScene> scene, Space space, double resolution, const kernel::Table& kernels)
+  PlanarPhase(std::shared_ptr<const PlanarScene> scene, Space space, const kernel::Table& kernels)
       : scene_(std::move(scene)),
         robot_(scene_->robot),
         space_(std::move(space)),
-        resolution_(resolution),
         kernels_(kernels),
         slack_(touching_slack(*scene_)),
         of_world_(obstacles_of(scene_->world, slack_)),
         obstacles_(of_world_->pieces),
         index_(of_world_->index) {
-    check_fits(*scene_, space_, resolution_);
     candidates_.resize(obstacles_.size());
     const auto& [lo, hi] = scene_->world.bounds();
     bounds_ = {lo.x - slack_, hi.x + slack_, lo.y - slack_, hi.y + slack_};
@@ -184,73 +182,62 @@ class PlanarChecker final : public Checker {
     for (double& share : end_.v) share = 1.0;
   }
 
-  [[nodiscard]] bool valid(View q) const override {
-    pose_at(q);
-    return (touched(pieces_, false, cull_each, 1) & 1U) == 0;
-  }
+  [[nodiscard]] double displacement(View a, View b) const override { return robot_.displacement_bound(space_, a, b); }
 
-  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
-    return configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
-  }
-  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
-    if (n == 0) n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
-    const bool in_line = rigid_ && line_between(a, b);
-    bool inside = false;
-    unsigned candidates = cull_each;
+  Decision begin(View a, View b, std::uint32_t n) override {
+    a_ = a;
+    b_ = b;
+    n_ = n;
+    inside_ = false;
+    candidate_count_ = cull_each;
     if (sweepable_) {
       const Box swept = swept_box(a, b);
-      inside =
+      inside_ =
           bounds_.xlo <= swept.xlo && swept.xhi <= bounds_.xhi && bounds_.ylo <= swept.ylo && swept.yhi <= bounds_.yhi;
-      candidates = index_.query(swept, candidates_.data());
-      if (inside && candidates == 0 && pairs_.empty()) return {true, n, std::numeric_limits<double>::quiet_NaN()};
-      if (inside && point_ && !segment_contact(segment_between(a, b), candidates)) {
-        return {true, n, std::numeric_limits<double>::quiet_NaN()};
-      }
+      candidate_count_ = index_.query(swept, candidates_.data());
+      if (inside_ && candidate_count_ == 0 && pairs_.empty()) return Decision::valid;
+      if (inside_ && point_ && !segment_contact(segment_between(a, b), candidate_count_)) return Decision::valid;
       // A box around several bodies is much larger than they are: cull each body by its own box.
-      if (candidates > 0 && poses_.size() > 1) candidates = cull_each;
+      if (candidate_count_ > 0 && poses_.size() > 1) candidate_count_ = cull_each;
     }
-    const Order& order = order_of(n);
-    for (std::uint32_t first = 0; first < n; first += kernel::lanes) {
-      const kernel::Lanes& shares = order.shares[first / kernel::lanes];
-      const unsigned wanted = std::min(n - first, kernel::lanes);
-      if (in_line) {
-        kernels_.poses(line_, shares.v, poses_[0]);
-      } else {
-        poses_between(a, b, shares, wanted);
-      }
-      const unsigned hit = touched(pieces_, inside, candidates, wanted) & ((1U << wanted) - 1U);
-      if (hit != 0) {
-        const std::uint32_t rank = first + static_cast<std::uint32_t>(std::countr_zero(hit));
-        return {false, rank + 1, order.share(rank)};
-      }
-    }
-    if (point_) {
-      if (const auto at = between_configurations(a, b)) return {false, n, *at};
-    }
-    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+    in_line_ = rigid_ && line_between(a, b);
+    return Decision::undecided;
   }
 
-  void certify(View a, View b, Certificate& certificate) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
-      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
-      return;
+  Batch check(const Order& order, std::uint32_t rank) override {
+    const kernel::Lanes& shares = order.shares[rank / kernel::lanes];
+    const unsigned wanted = std::min(n_ - rank, kernel::lanes);
+    if (in_line_) {
+      kernels_.poses(line_, shares.v, poses_[0]);
+    } else {
+      poses_between(a_, b_, shares, wanted);
     }
+    return {wanted, touched(pieces_, inside_, candidate_count_, wanted) & ((1U << wanted) - 1U)};
+  }
+
+  std::optional<double> end(std::uint32_t first) override {
+    return point_ && first == n_ ? between_configurations(a_, b_) : std::nullopt;
+  }
+
+  bool sweep(View a, View b, Certificate& certificate) override {
     space_.difference(a, b, difference_);
-    if (sweeps_freely(a, b, certificate)) return;
-    if (rigid_ && certify_sweep(a, certificate)) return;
-    if (rigid_ && continuous_ && line_between(a, b) && certify_turn(certificate)) return;
-    const std::vector<double> breaks = wraps(space_, a, difference_);
-    Clearances& motion = clearances_;
-    motion.begin(*this, a, b);
-    const double first =
-        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
-    add_motion(certificate, motion, motion.displacement(), first, breaks);
+    return sweeps_freely(a, b, certificate) || (rigid_ && certify_sweep(a, certificate)) ||
+           (rigid_ && continuous_ && line_between(a, b) && certify_turn(certificate));
+  }
+
+  Distances on(View a, View b, double longest) override {
+    std::vector<double> breaks = wraps(space_, a, difference_);
+    clearances_.begin(*this, a, b);
+    return {clearances_, clearances_.displacement(), longest, std::move(breaks)};
+  }
+
+  [[nodiscard]] bool touches(View q) const override {
+    pose_at(q);
+    return (touched(pieces_, false, cull_each, 1) & 1U) != 0;
   }
 
   [[nodiscard]] double clearance(View q) const override {
-    if (!valid(q)) return 0.0;
+    if (touches(q)) return 0.0;
     robot_.place(q, frames_);
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
@@ -298,7 +285,7 @@ class PlanarChecker final : public Checker {
   /// The maximum of the bounds of all overlaps. If two convex shapes overlap by a depth p, their projections overlap in
   /// every direction by at least p: they have no separating direction before points of the robot have moved by p.
   [[nodiscard]] double invalid_radius(View q) const override {
-    if (!continuous_ || !is_finite(q, robot_.dimension()) || valid(q)) return 0.0;
+    if (!continuous_ || !touches(q)) return 0.0;
     robot_.place(q, frames_);
     double best = 0.0;
     for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
@@ -332,7 +319,6 @@ class PlanarChecker final : public Checker {
     return best;
   }
 
-  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     pose_at(q);
     for (std::size_t first = 0; first < pieces_.size();) {
@@ -395,28 +381,28 @@ class PlanarChecker final : public Checker {
   /// The distances on a motion: inflated pieces decide eight configurations in a step, exact distances the others.
   class Clearances final : public MotionClearance {
    public:
-    /// Begins a motion, whose difference the checker holds.
-    void begin(const PlanarChecker& checker, View a, View b) {
-      checker_ = &checker;
+    /// Begins a motion, whose difference the narrow phase holds.
+    void begin(const PlanarPhase& phase, View a, View b) {
+      phase_ = &phase;
       a_ = a;
       b_ = b;
       displacements_.clear();
       relative_.clear();
       displacement_ = 0.0;
       half_ = -1.0;
-      const Robot& robot = checker.robot_;
-      const View difference = checker.difference_;
+      const Robot& robot = phase.robot_;
+      const View difference = phase.difference_;
       const double translation = robot.translates() ? norm(Vec2{difference[0], difference[1]}) : 0.0;
       for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
         displacements_.push_back(translation + robot.displacement_of(i, -1, difference));
         displacement_ = std::max(displacement_, displacements_.back());
       }
       for (const auto& [first, second] : robot.pairs()) {
-        const int ancestor = checker.common_ancestor(first, second);
+        const int ancestor = phase.common_ancestor(first, second);
         relative_.push_back(robot.displacement_of(first, ancestor, difference) +
                             robot.displacement_of(second, ancestor, difference));
       }
-      in_line_ = checker.rigid_ && checker.line_between(a, b);
+      in_line_ = phase.rigid_ && phase.line_between(a, b);
     }
 
     /// Of all bodies on the whole motion, in metres.
@@ -431,11 +417,11 @@ class PlanarChecker final : public Checker {
         kernel::Lanes at;
         for (unsigned lane = 0; lane < kernel::lanes; ++lane) at.v[lane] = shares[first + std::min(lane, count - 1)];
         if (in_line_) {
-          checker_->kernels_.poses(checker_->line_, at.v, checker_->poses_[0]);
+          phase_->kernels_.poses(phase_->line_, at.v, phase_->poses_[0]);
         } else {
-          checker_->poses_between(a_, b_, at, count);
+          phase_->poses_between(a_, b_, at, count);
         }
-        const unsigned hit = checker_->touched(checker_->wide_, false, cull_each, count);
+        const unsigned hit = phase_->touched(phase_->wide_, false, cull_each, count);
         if ((hit & 1U) != 0) {
           ++first;
           continue;
@@ -447,25 +433,25 @@ class PlanarChecker final : public Checker {
     }
 
     [[nodiscard]] Near near(double share, double half, double at_most) override {
-      checker_->space_.interpolate(a_, b_, share, checker_->q_);
-      checker_->robot_.place(checker_->q_, checker_->frames_);
+      phase_->space_.interpolate(a_, b_, share, phase_->q_);
+      phase_->robot_.place(phase_->q_, phase_->frames_);
       Near all{at_most, at_most};
-      const auto& bodies = checker_->robot_.bodies();
+      const auto& bodies = phase_->robot_.bodies();
       const auto add = [&](double distance, double displacement) {
-        if (distance <= checker_->slack_) distance = 0.0;
+        if (distance <= phase_->slack_) distance = 0.0;
         all.distance = std::min(all.distance, distance);
         all.sure = std::min(all.sure, distance - displacement);
       };
       for (std::size_t i = 0; i < bodies.size(); ++i) {
         const double displacement = half * displacements_[i];
         for (const auto& part : bodies[i].parts) {
-          move_shape(part, checker_->frames_[i], checker_->moved_);
-          add(checker_->distance_in_world(checker_->moved_, at_most + displacement), displacement);
+          move_shape(part, phase_->frames_[i], phase_->moved_);
+          add(phase_->distance_in_world(phase_->moved_, at_most + displacement), displacement);
         }
       }
       for (std::size_t k = 0; k < relative_.size(); ++k) {
-        const auto& [first, second] = checker_->robot_.pairs()[k];
-        add(checker_->distance_between(first, second), half * relative_[k]);
+        const auto& [first, second] = phase_->robot_.pairs()[k];
+        add(phase_->distance_between(first, second), half * relative_[k]);
       }
       return all;
     }
@@ -476,23 +462,23 @@ class PlanarChecker final : public Checker {
       if (half == half_ && margin == margin_) return;
       half_ = half;
       margin_ = margin;
-      checker_->wide_.clear();
-      const auto& bodies = checker_->robot_.bodies();
+      phase_->wide_.clear();
+      const auto& bodies = phase_->robot_.bodies();
       std::size_t piece = 0;
       for (std::size_t i = 0; i < bodies.size(); ++i) {
         const double by = margin + half * displacements_[i];
         for (const auto& part : bodies[i].parts) {
-          const Piece& own = checker_->pieces_[piece++];
+          const Piece& own = phase_->pieces_[piece++];
           if (own.kind == Kind::polygon) {
-            checker_->wide_.add(inflated(part, by), checker_->slack_);
+            phase_->wide_.add(inflated(part, by), phase_->slack_);
           } else {
-            checker_->wide_.add_larger(own, by + checker_->slack_);
+            phase_->wide_.add_larger(own, by + phase_->slack_);
           }
         }
       }
     }
 
-    const PlanarChecker* checker_ = nullptr;
+    const PlanarPhase* phase_ = nullptr;
     View a_;
     View b_;
     std::vector<double> displacements_;  ///< of each body on the whole motion, in metres
@@ -975,7 +961,6 @@ class PlanarChecker final : public Checker {
   std::shared_ptr<const PlanarScene> scene_;
   const Robot& robot_;
   Space space_;
-  double resolution_;
   const kernel::Table& kernels_;
   double slack_;
   std::shared_ptr<const Obstacles> of_world_;
@@ -992,6 +977,14 @@ class PlanarChecker final : public Checker {
   bool continuous_ = false;  ///< motions on a periodic axis wrap without a jump of the robot
   kernel::Lanes end_{};
 
+  // The motion that has begun.
+  View a_;
+  View b_;
+  std::uint32_t n_ = 0;
+  bool in_line_ = false;                  ///< `line_` gives its poses
+  bool inside_ = false;                   ///< the box that it sweeps is inside the boundary
+  unsigned candidate_count_ = cull_each;  ///< of `candidates_`
+
   // Scratch.
   mutable kernel::Line line_;
   mutable std::vector<kernel::Poses> poses_;  ///< per body
@@ -1004,7 +997,7 @@ class PlanarChecker final : public Checker {
   mutable ConvexShape moved_;
   mutable ConvexShape other_;
   mutable Pieces wide_;                       ///< the robot's pieces, inflated
-  mutable Clearances clearances_;             ///< on the motion that is certified
+  Clearances clearances_;                     ///< on the motion that is certified
   mutable std::vector<Convex> convex_parts_;  ///< of the robot's only body, in its frame; empty before their first use
   mutable std::vector<Box> hulls_;            ///< of the pieces, where there are pairs
   mutable kernel::Poses seen_{};              ///< a body in another body's frame
@@ -1013,9 +1006,16 @@ class PlanarChecker final : public Checker {
 
 }  // namespace
 
+std::unique_ptr<NarrowPhase> make_planar_phase(std::shared_ptr<const PlanarScene> scene, const Space& space,
+                                               const kernel::Table& kernels) {
+  return std::make_unique<PlanarPhase>(std::move(scene), space, kernels);
+}
+
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                              const kernel::Table& kernels) {
-  return std::make_unique<PlanarChecker>(planar_scene(std::move(scene)), space, resolution, kernels);
+  auto planar = planar_scene(std::move(scene));
+  check_fits(*planar, space, resolution);
+  return std::make_unique<Checker>(*planar, make_planar_phase(planar, space, kernels), resolution);
 }
 
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space,

@@ -6,22 +6,19 @@
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include <trellis/collision/checker.hpp>
 #include <trellis/collision/common.hpp>
-#include <trellis/collision/orders.hpp>
+#include <trellis/collision/spatial/body_phase.hpp>
 #include <trellis/collision/spatial/near_filter.hpp>
 #include <trellis/collision/spatial/segment.hpp>
 #include <trellis/collision/spatial/separation.hpp>
@@ -298,54 +295,14 @@ double margin_inside(const Box3& box, const Box3& bounds) {
   return std::min({low.x, low.y, low.z, high.x, high.y, high.z});
 }
 
-/// Marks the configurations of a motion, by index, that the clearance of one of them shows to be free.
-/// \param free  a number for each of 0..n
-/// \param per_configuration  metres that the robot's points move from one configuration to the next, at most
-void mark_free(char* free, std::uint32_t n, std::uint32_t index, double clearance, double per_configuration) {
-  if (!(clearance > per_configuration)) return;
-  const auto steps = static_cast<std::uint32_t>(std::min(clearance / per_configuration, static_cast<double>(n)));
-  const std::uint32_t first = index > steps ? index - steps : 0, last = std::min(n, index + steps);
-  std::fill(free + first, free + last + 1, char{1});
-}
-
-/// A motion of a body in the frame of a checker's world, seen from one of its configurations.
-struct SeenMotion {
-  Pose3 pose;                 ///< of the body there
-  BodyMotion whole;           ///< translation and turn of the whole motion; its reference is not used
-  double displacement = 0.0;  ///< metres, at most, that points of the body move against the solids on the whole motion
-  double rest = 0.0;          ///< the part of it that `whole` leaves out, since the solids turn
-
-  /// The part of the motion within `half` of it to either side.
-  [[nodiscard]] BodyMotion part(double half) const {
-    return {pose.position, half * whole.translation, whole.axis, half * whole.turn};
-  }
-};
-
-/// The turn of a body between two poses, about an axis in the frame of the world.
-BodyMotion body_motion(const Pose3& from, const Pose3& to) {
-  BodyMotion motion{{}, to.position - from.position, {}, 0.0};
-  const Vec3 turn = from.orientation(rotation_vector(from.orientation.inverse() * to.orientation));
-  motion.turn = norm(turn);
-  if (motion.turn > 0.0) motion.axis = 1.0 / motion.turn * turn;
-  return motion;
-}
-
-/// Returns how far the shares of a motion are from those that a level of the bisection visited before, by rank.
-double gap_before(std::uint32_t rank) {
-  double gap = 1.0;
-  for (std::uint32_t level = rank; level > 0; level /= 2) gap *= 0.5;
-  return gap;
-}
-
-class SpatialFclChecker final : public Checker {
+/// FCL, after sphere covers and a distance field where they decide.
+class FclBodyPhase final : public BodyPhase {
  public:
-  SpatialFclChecker(std::shared_ptr<const Scene> scene, Space space, double resolution, bool filtered)
+  FclBodyPhase(std::shared_ptr<const Scene> scene, Space space, bool filtered)
       : scene_(std::move(scene)),
         world_(spatial(*scene_).world),
         robot_(spatial(*scene_).robot),
-        space_(std::move(space)),
-        resolution_(resolution) {
-    check_fits(*scene_, space_, resolution_);
+        space_(std::move(space)) {
     slack_ = touching_slack(*scene_);
     scale_ = scale_for_fcl(world_, robot_);
     keep_models(world_, robot_, scale_);
@@ -379,80 +336,75 @@ class SpatialFclChecker final : public Checker {
     request_.gjk_tolerance = 1e-14;
   }
 
-  [[nodiscard]] bool valid(View q) const override {
-    return is_finite(q, robot_.dimension()) && valid_at(robot_.pose(q));
+  [[nodiscard]] double displacement(View a, View b) const override { return robot_.displacement_bound(a, b); }
+
+  Decision begin(View a, View b, std::uint32_t n) override {
+    a_ = a;
+    b_ = b;
+    n_ = n;
+    if (filter_) {
+      displacement_ = robot_.displacement_bound(a, b);
+      free_.assign(n + std::size_t{1}, 0);
+    }
+    return Decision::undecided;
   }
-  [[nodiscard]] bool valid_at(const Pose3& pose) const {
+
+  Batch check(const Order& order, std::uint32_t rank) override {
+    if (!filter_) {
+      return one_by_one(rank, n_, [&](std::uint32_t at) {
+        space_.interpolate(a_, b_, order.share(at), q_);
+        return !valid_at(robot_.pose(q_));
+      });
+    }
+    // Rounding, in the displacement and in interpolation, is far below the filter's margin.
+    const double per_configuration = displacement_ / n_;
+    return one_by_one(rank, n_, [&](std::uint32_t at) {
+      const std::uint32_t index = order.indices[at];
+      if (free_[index] != 0) return false;
+      space_.interpolate(a_, b_, order.share(at), q_);
+      // Both margins shrink by at most the displacement.
+      const double sure = sure_clearance(robot_.pose(q_), displacement_ * gap_before(at));
+      if (sure < 0.0) return true;
+      mark_free(free_.data(), n_, index, sure, per_configuration);
+      return false;
+    });
+  }
+
+  std::optional<double> end(std::uint32_t first) override {
+    return first == n_ ? contact_between(a_, b_) : std::nullopt;
+  }
+
+  bool sweep(View a, View b, Certificate& certificate) override {
+    const auto at = contact_between(a, b);
+    if (at) certificate.refuted_at = at;
+    return at.has_value();
+  }
+
+  Distances on(View a, View b, double longest) override {
+    clearances_.emplace(*this, a, b);
+    // The segment of a point decides; distances only give the clearance.
+    return {*clearances_,
+            clearances_->displacement(),
+            longest,
+            {},
+            robot_.is_point() ? std::optional(slack_) : std::nullopt};
+  }
+
+  [[nodiscard]] bool touches(View q) const override { return !valid_at(robot_.pose(q)); }
+  [[nodiscard]] bool valid_at(const Pose3& pose) const override {
     return boundary_margin(pose, 0.0) >= -slack_ && free_of_obstacles(pose, Turn(pose), 0.0) >= 0.0;
   }
-  /// Returns a distance that the robot at a pose certainly has from the boundary and all obstacles; negative where the
-  /// pose is invalid.
-  /// \param enough  the search for a larger distance may end at this one
-  [[nodiscard]] double sure_clearance(const Pose3& pose, double enough) const {
+  [[nodiscard]] double sure_clearance(const Pose3& pose, double enough) const override {
     const double margin = boundary_margin(pose, enough);
     const double clearance = margin >= -slack_ ? free_of_obstacles(pose, Turn(pose), enough) : -1.0;
     return clearance < 0.0 ? -1.0 : std::max(std::min(clearance, margin), 0.0);
   }
 
-  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
-    return configurations_of(robot_.displacement_bound(a, b), resolution_);
+  [[nodiscard]] double clearance(View q) const override {
+    const Pose3 pose = robot_.pose(q);
+    return valid_at(pose) ? clearance_at(pose) : 0.0;
   }
-  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
-    const double displacement = robot_.displacement_bound(a, b);
-    if (n == 0) n = configurations_of(displacement, resolution_);
-    const Order& order = order_of(n);
-    if (!filter_) {
-      for (std::uint32_t rank = 0; rank < n; ++rank) {
-        space_.interpolate(a, b, order.share(rank), q_);
-        if (!valid(q_)) return {false, rank + 1, order.share(rank)};
-      }
-      return between_configurations(a, b, n);
-    }
-    // By index: whether the clearance of another configuration shows that this one is free.
-    free_.assign(n + std::size_t{1}, 0);
-    // Rounding, in the displacement and in interpolation, is far below the filter's margin.
-    const double per_configuration = displacement / n;
-    for (std::uint32_t rank = 0; rank < n; ++rank) {
-      const std::uint32_t index = order.indices[rank];
-      if (free_[index] != 0) continue;
-      space_.interpolate(a, b, order.share(rank), q_);
-      // Both margins shrink by at most the displacement.
-      const double sure = sure_clearance(robot_.pose(q_), displacement * gap_before(rank));
-      if (sure < 0.0) return {false, rank + 1, order.share(rank)};
-      mark_free(free_.data(), n, index, sure, per_configuration);
-    }
-    return between_configurations(a, b, n);
-  }
-
-  void certify(View a, View b, Certificate& certificate) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
-      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
-      return;
-    }
-    Clearances motion(*this, a, b);
-    const double first =
-        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
-    if (!robot_.is_point()) {
-      add_motion(certificate, motion, motion.displacement(), first);
-      return;
-    }
-    if (const MotionReport exact = between_configurations(a, b, 1); !exact.valid) {
-      certificate.refuted_at = exact.invalid_at;
-      return;
-    }
-    // The segment decides; distances only give the clearance.
-    Certificate measured = certificate;
-    add_motion(measured, motion, motion.displacement(), first);
-    certificate = measured;
-    if (std::exchange(certificate.refuted_at, std::nullopt))
-      certificate.clearance = std::min(certificate.clearance, slack_);
-  }
-
-  [[nodiscard]] double clearance(View q) const override { return valid(q) ? clearance_at(robot_.pose(q)) : 0.0; }
-  /// The same at a pose that is valid.
-  [[nodiscard]] double clearance_at(const Pose3& pose) const {
+  [[nodiscard]] double clearance_at(const Pose3& pose) const override {
     double best = std::numeric_limits<double>::infinity();
     if (world_.contain() == Contain::reference) {
       best = margin_inside({pose.position, pose.position}, world_.bounds());
@@ -485,15 +437,13 @@ class SpatialFclChecker final : public Checker {
     return nearest;
   }
 
-  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
-    if (valid(q)) return std::nullopt;
-    return Contact{0, met_obstacle(robot_.pose(q))};
+    const Pose3 pose = robot_.pose(q);
+    if (valid_at(pose)) return std::nullopt;
+    return Contact{0, met_obstacle(pose)};
   }
 
-  /// Returns the first obstacle that the robot at a pose meets.
-  [[nodiscard]] std::optional<std::size_t> met_obstacle(const Pose3& pose) const {
+  [[nodiscard]] std::optional<std::size_t> met_obstacle(const Pose3& pose) const override {
     for (std::size_t i = 0; i < obstacles_.size(); ++i) {
       for (const Piece& piece : pieces_) {
         const Pose3 at = pose * piece.solid.pose;
@@ -503,17 +453,16 @@ class SpatialFclChecker final : public Checker {
     return std::nullopt;
   }
 
-  /// Whether everything is certainly farther than `margin` metres from the body throughout the part of its motion
-  /// within `half`. What FCL's distances cannot certify, since their iterations end early, is decided by contact with
-  /// inflated shapes and by distances of triangles.
-  [[nodiscard]] bool apart_throughout(const SeenMotion& motion, double half, double margin) const {
+  /// What FCL's distances cannot certify, since their iterations end early, is decided by contact with inflated shapes
+  /// and by distances of triangles.
+  [[nodiscard]] bool apart_throughout(const SeenMotion& motion, double half, double margin) const override {
     const double by = half * motion.displacement + margin;
     return (boundary_margin(motion.pose, by) >= by && certainly_apart(motion.pose, by)) ||
            separated(motion, half, margin + 2.0 * slack_).throughout > margin + slack_;
   }
 
-  /// Returns the distance at the middle of such a part, as MotionClearance::near.
-  [[nodiscard]] MotionClearance::Near near_throughout(const SeenMotion& motion, double half, double at_most) const {
+  [[nodiscard]] MotionClearance::Near near_throughout(const SeenMotion& motion, double half,
+                                                      double at_most) const override {
     const double displacement = half * motion.displacement;
     const double cut = at_most + displacement;
     const Pose3& pose = motion.pose;
@@ -623,9 +572,9 @@ class SpatialFclChecker final : public Checker {
   /// The distances of the robot on a motion.
   class Clearances final : public MotionClearance {
    public:
-    Clearances(const SpatialFclChecker& checker, View a, View b) : checker_(checker), a_(a), b_(b) {
-      motion_.displacement = checker.robot_.displacement_bound(a, b);
-      motion_.whole = body_motion(checker.robot_.pose(a), checker.robot_.pose(b));
+    Clearances(const FclBodyPhase& phase, View a, View b) : phase_(phase), a_(a), b_(b) {
+      motion_.displacement = phase.robot_.displacement_bound(a, b);
+      motion_.whole = body_motion(phase.robot_.pose(a), phase.robot_.pose(b));
     }
 
     /// Of the whole motion, in metres.
@@ -634,22 +583,22 @@ class SpatialFclChecker final : public Checker {
     [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
       unsigned found = 0;
       for (std::size_t i = 0; i < shares.size(); ++i) {
-        if (checker_.apart_throughout(seen_at(shares[i]), half, margin)) found |= 1U << i;
+        if (phase_.apart_throughout(seen_at(shares[i]), half, margin)) found |= 1U << i;
       }
       return found;
     }
     [[nodiscard]] Near near(double share, double half, double at_most) override {
-      return checker_.near_throughout(seen_at(share), half, at_most);
+      return phase_.near_throughout(seen_at(share), half, at_most);
     }
 
    private:
     const SeenMotion& seen_at(double share) {
-      checker_.space_.interpolate(a_, b_, share, checker_.q_);
-      motion_.pose = checker_.robot_.pose(checker_.q_);
+      phase_.space_.interpolate(a_, b_, share, phase_.q_);
+      motion_.pose = phase_.robot_.pose(phase_.q_);
       return motion_;
     }
 
-    const SpatialFclChecker& checker_;
+    const FclBodyPhase& phase_;
     View a_;
     View b_;
     SeenMotion motion_;
@@ -756,11 +705,9 @@ class SpatialFclChecker final : public Checker {
                         request_, result_) > 0;
   }
 
-  /// Returns the report of a motion whose n checked configurations are valid: of a point's, what its segment touches
-  /// between them.
-  [[nodiscard]] MotionReport between_configurations(View a, View b, std::uint32_t n) const {
-    const MotionReport valid{true, n, std::numeric_limits<double>::quiet_NaN()};
-    if (!robot_.is_point()) return valid;
+  /// Returns the parameter where the segment of a point's motion touches an obstacle; of other robots none.
+  [[nodiscard]] std::optional<double> contact_between(View a, View b) const {
+    if (!robot_.is_point()) return std::nullopt;
     const Vec3 from{a[0], a[1], a[2]};
     const Vec3 to{b[0], b[1], b[2]};
     const Segment3 segment{from, to - from};
@@ -775,7 +722,7 @@ class SpatialFclChecker final : public Checker {
                          : obstacle.cloud != nullptr ? trellis::contact(seen, *obstacle.cloud, slack_)
                                                      : trellis::contact(seen, obstacle.solid.shape, slack_);
                });
-    return found ? MotionReport{false, n, *found} : valid;
+    return found;
   }
 
   /// Returns the distance of a point from the obstacles, in metres; `at_most` where it is not less.
@@ -878,7 +825,6 @@ class SpatialFclChecker final : public Checker {
   const World3& world_;
   const Robot3& robot_;
   Space space_;
-  double resolution_;
   double slack_ = 0.0;
   double scale_ = 1.0;            ///< of what FCL receives
   std::vector<Piece> obstacles_;  ///< with frames, their inverses, and boxes
@@ -890,311 +836,46 @@ class SpatialFclChecker final : public Checker {
   std::optional<NearFilter> filter_;
   fcl::CollisionRequestd request_;
 
+  // The motion that has begun, or is certified.
+  View a_;
+  View b_;
+  std::uint32_t n_ = 0;
+  double displacement_ = 0.0;
+  std::vector<char> free_;  ///< by index: whether the clearance of another configuration shows that this one is free
+  std::optional<Clearances> clearances_;
+
   // Scratch.
   mutable fcl::CollisionResultd result_;
   mutable TrianglePair guess_;        ///< of the meshes that met last
   mutable std::size_t last_met_ = 0;  ///< an obstacle
-  mutable std::vector<char> free_;
-  mutable Configuration q_;
-};
-
-/// A team of bodies: each among the obstacles, and each two against each other. What a body touches of another one is
-/// decided in the frame of that one, whose solids are the obstacles there.
-class SpatialTeamChecker final : public Checker {
- public:
-  SpatialTeamChecker(std::shared_ptr<const Scene> scene, Space space, double resolution, bool filtered)
-      : scene_(std::move(scene)),
-        robot_(spatial(*scene_).robot),
-        space_(std::move(space)),
-        resolution_(resolution),
-        q_(space_.dimension()) {
-    check_fits(*scene_, space_, resolution_);
-    slack_ = touching_slack(*scene_);
-    const World3& world = spatial(*scene_).world;
-    std::map<const Robot3*, std::shared_ptr<const SpatialFclChecker>> alone;
-    std::map<std::pair<const Robot3*, const Robot3*>, std::shared_ptr<const SpatialFclChecker>> pairs;
-    for (const Robot3::Member& member : robot_.members()) {
-      auto& checker = alone[member.robot.get()];
-      if (!checker) checker = checker_of(world, *member.robot, filtered);
-      bodies_.push_back({&member, checker});
-    }
-    // As large as the world, so that the same gaps count as touching.
-    const double size = scene_->magnitude();
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      for (std::size_t k = i + 1; k < bodies_.size(); ++k) {
-        if (!robot_.are_coupled(bodies_[i].member->number, bodies_[k].member->number)) continue;
-        const Robot3& body = *bodies_[i].member->robot;
-        const Robot3& other = *bodies_[k].member->robot;
-        auto& checker = pairs[{&body, &other}];
-        if (!checker) {
-          std::vector<Obstacle3> solids;
-          for (const Solid& solid : other.solids()) {
-            solids.push_back(
-                {fmt::format("shape {} of robot {}", solids.size() + 1, bodies_[k].member->number), solid});
-          }
-          checker = checker_of(
-              World3({{-size, -size, -size}, {size, size, size}}, std::move(solids), Contain::none, world.surface()),
-              body, false);
-        }
-        pairs_.push_back({i, k, body.bounding_radius() + other.bounding_radius(), checker});
-      }
-    }
-    poses_.resize(bodies_.size());
-  }
-
-  [[nodiscard]] bool valid(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return false;
-    place(q);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (!bodies_[i].checker->valid_at(poses_[i])) return false;
-    }
-    return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meet(pair); });
-  }
-
-  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
-    return configurations_of(robot_.displacement_bound(a, b), resolution_);
-  }
-  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
-    const Motions motions(*this, a, b);
-    if (n == 0) n = configurations_of(robot_.displacement_bound(a, b), resolution_);
-    const Order& order = order_of(n);
-    // By body and index: whether the clearance at another configuration shows that the body is free.
-    const std::size_t row = n + std::size_t{1};
-    free_.assign(bodies_.size() * row, 0);
-    // Pairs that are not apart from each other throughout.
-    place(b);
-    near_.clear();
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      if (gap(pairs_[p]) <= motions.of_pair[p].displacement + slack_) near_.push_back(p);
-    }
-    for (std::uint32_t rank = 0; rank < n; ++rank) {
-      const std::uint32_t index = order.indices[rank];
-      space_.interpolate(a, b, order.share(rank), q_);
-      place(q_);
-      const double gap_to_others = gap_before(rank);
-      for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        char* free = free_.data() + i * row;
-        if (free[index] != 0) continue;
-        const double displacement = motions.of_body[i].displacement;
-        const double sure = bodies_[i].checker->sure_clearance(poses_[i], displacement * gap_to_others);
-        if (sure < 0.0) return {false, rank + 1, order.share(rank)};
-        mark_free(free, n, index, sure, displacement / n);
-      }
-      if (std::any_of(near_.begin(), near_.end(), [&](std::size_t p) { return meet(pairs_[p]); })) {
-        return {false, rank + 1, order.share(rank)};
-      }
-    }
-    return {true, n, std::numeric_limits<double>::quiet_NaN()};
-  }
-
-  void certify(View a, View b, Certificate& certificate) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
-      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
-      return;
-    }
-    Motions motions(*this, a, b);
-    Clearances clearances(*this, motions, a, b);
-    const double first =
-        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
-    double displacement = 0.0;
-    for (const SeenMotion& motion : motions.of_body) displacement = std::max(displacement, motion.displacement);
-    for (const SeenMotion& motion : motions.of_pair) displacement = std::max(displacement, motion.displacement);
-    add_motion(certificate, clearances, displacement, first);
-  }
-
-  [[nodiscard]] double clearance(View q) const override {
-    if (!valid(q)) return 0.0;
-    double best = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      best = std::min(best, bodies_[i].checker->clearance_at(poses_[i]));
-    }
-    for (const Pair& pair : pairs_) {
-      if (gap(pair) < best) best = std::min(best, pair.checker->clearance_at(between(pair)));
-    }
-    return best;
-  }
-
-  [[nodiscard]] std::optional<Proximity> nearest_obstacle(View q) const override {
-    std::optional<Proximity> nearest;
-    for (const Body& body : bodies_) {
-      const auto found = body.checker->nearest_obstacle(body.member->own(q));
-      if (!found) continue;
-      const bool before = !nearest || found->distance < nearest->distance ||
-                          (found->distance == nearest->distance && found->obstacle < nearest->obstacle);
-      if (before) nearest = found;
-    }
-    return nearest;
-  }
-
-  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
-  [[nodiscard]] std::optional<Contact> contact(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
-    place(q);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (!bodies_[i].checker->valid_at(poses_[i])) return Contact{i, bodies_[i].checker->met_obstacle(poses_[i])};
-    }
-    for (const Pair& pair : pairs_) {
-      if (meet(pair)) return Contact{pair.body, std::nullopt, pair.other};
-    }
-    return std::nullopt;
-  }
-
- private:
-  struct Body {
-    const Robot3::Member* member;
-    std::shared_ptr<const SpatialFclChecker> checker;  ///< in the world
-  };
-  /// Two bodies. The solids of the second are the obstacles of the checker's world, at its pose 0.
-  struct Pair {
-    std::size_t body;
-    std::size_t other;
-    double reach;  ///< the sum of their bounding radii
-    std::shared_ptr<const SpatialFclChecker> checker;
-  };
-
-  /// The motions of all bodies, and of each two against each other, without the poses.
-  struct Motions {
-    Motions(const SpatialTeamChecker& checker, View a, View b) {
-      for (const Body& body : checker.bodies_) {
-        const Robot3& robot = *body.member->robot;
-        SeenMotion& motion = of_body.emplace_back();
-        motion.whole = body_motion(robot.pose(body.member->own(a)), robot.pose(body.member->own(b)));
-        motion.displacement = robot.displacement_bound(body.member->own(a), body.member->own(b));
-      }
-      for (const Pair& pair : checker.pairs_) {
-        const BodyMotion& body = of_body[pair.body].whole;
-        const BodyMotion& other = of_body[pair.other].whole;
-        const double radius = checker.bodies_[pair.body].member->robot->bounding_radius();
-        SeenMotion& motion = of_pair.emplace_back();
-        // As one sees it who moves with the other body and does not turn.
-        motion.whole = {{}, body.translation - other.translation, body.axis, body.turn};
-        motion.rest = checker.bodies_[pair.other].member->robot->bounding_radius() * other.turn;
-        motion.displacement = norm(motion.whole.translation) + radius * body.turn + motion.rest;
-      }
-    }
-
-    std::vector<SeenMotion> of_body;
-    std::vector<SeenMotion> of_pair;  ///< in the frame of the world
-  };
-
-  /// The distances of all bodies on a motion.
-  class Clearances final : public MotionClearance {
-   public:
-    Clearances(const SpatialTeamChecker& checker, Motions& motions, View a, View b)
-        : checker_(checker), motions_(motions), a_(a), b_(b) {}
-
-    [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
-      unsigned found = 0;
-      for (std::size_t i = 0; i < shares.size(); ++i) {
-        if (apart_at(shares[i], half, margin)) found |= 1U << i;
-      }
-      return found;
-    }
-
-    [[nodiscard]] Near near(double share, double half, double at_most) override {
-      place(share);
-      Near all{at_most, at_most, false};
-      const auto add = [&](const Near& near) {
-        all.distance = std::min(all.distance, near.distance);
-        if (near.sure < all.sure) all.inexact = near.inexact;
-        all.sure = std::min(all.sure, near.sure);
-        return all.distance > 0.0;
-      };
-      for (std::size_t i = 0; i < checker_.bodies_.size(); ++i) {
-        if (!add(checker_.bodies_[i].checker->near_throughout(motions_.of_body[i], half, all.distance))) return all;
-      }
-      for (std::size_t p = 0; p < checker_.pairs_.size(); ++p) {
-        const Pair& pair = checker_.pairs_[p];
-        if (checker_.gap(pair) >= all.distance + half * motions_.of_pair[p].displacement) continue;
-        if (!add(pair.checker->near_throughout(seen(p), half, all.distance))) return all;
-      }
-      return all;
-    }
-
-   private:
-    void place(double share) {
-      checker_.space_.interpolate(a_, b_, share, checker_.q_);
-      checker_.place(checker_.q_);
-      for (std::size_t i = 0; i < checker_.bodies_.size(); ++i) motions_.of_body[i].pose = checker_.poses_[i];
-    }
-
-    bool apart_at(double share, double half, double margin) {
-      place(share);
-      for (std::size_t i = 0; i < checker_.bodies_.size(); ++i) {
-        if (!checker_.bodies_[i].checker->apart_throughout(motions_.of_body[i], half, margin)) return false;
-      }
-      for (std::size_t p = 0; p < checker_.pairs_.size(); ++p) {
-        const Pair& pair = checker_.pairs_[p];
-        if (checker_.gap(pair) > half * motions_.of_pair[p].displacement + margin) continue;
-        if (!pair.checker->apart_throughout(seen(p), half, margin)) return false;
-      }
-      return true;
-    }
-
-    /// The motion of a pair in the frame of its second body, where that is now.
-    [[nodiscard]] SeenMotion seen(std::size_t p) const {
-      const Pair& pair = checker_.pairs_[p];
-      const Quaternion back = checker_.poses_[pair.other].orientation.inverse();
-      SeenMotion motion = motions_.of_pair[p];
-      motion.pose = checker_.between(pair);
-      motion.whole.translation = back(motion.whole.translation);
-      motion.whole.axis = back(motion.whole.axis);
-      return motion;
-    }
-
-    const SpatialTeamChecker& checker_;
-    Motions& motions_;
-    View a_;
-    View b_;
-  };
-
-  [[nodiscard]] std::shared_ptr<const SpatialFclChecker> checker_of(const World3& world, const Robot3& robot,
-                                                                    bool filtered) const {
-    auto scene = std::make_shared<SpatialScene>(world, robot);
-    const Space space = scene->default_space(1.0);
-    return std::make_shared<SpatialFclChecker>(std::move(scene), space, resolution_, filtered);
-  }
-
-  void place(View q) const {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      poses_[i] = bodies_[i].member->robot->pose(bodies_[i].member->own(q));
-    }
-  }
-  /// The distance between the bounding balls of two bodies, at most.
-  [[nodiscard]] double gap(const Pair& pair) const {
-    return norm(poses_[pair.body].position - poses_[pair.other].position) - pair.reach;
-  }
-  /// The pose of the first body in the frame of the second.
-  [[nodiscard]] Pose3 between(const Pair& pair) const { return poses_[pair.other].inverse() * poses_[pair.body]; }
-  [[nodiscard]] bool meet(const Pair& pair) const {
-    return gap(pair) <= slack_ && !pair.checker->valid_at(between(pair));
-  }
-
-  std::shared_ptr<const Scene> scene_;
-  const Robot3& robot_;
-  Space space_;
-  double resolution_;
-  double slack_ = 0.0;
-  std::vector<Body> bodies_;
-  std::vector<Pair> pairs_;
-
-  // Scratch.
-  mutable std::vector<Pose3> poses_;  ///< of the bodies at the configuration placed last
-  mutable std::vector<char> free_;
-  mutable std::vector<std::size_t> near_;
   mutable Configuration q_;
 };
 
 }  // namespace
 
+BodyMotion body_motion(const Pose3& from, const Pose3& to) {
+  BodyMotion motion{{}, to.position - from.position, {}, 0.0};
+  const Vec3 turn = from.orientation(rotation_vector(from.orientation.inverse() * to.orientation));
+  motion.turn = norm(turn);
+  if (motion.turn > 0.0) motion.axis = 1.0 / motion.turn * turn;
+  return motion;
+}
+
+std::unique_ptr<BodyPhase> make_body_phase(std::shared_ptr<const Scene> scene, const Space& space, bool filtered) {
+  return std::make_unique<FclBodyPhase>(std::move(scene), space, filtered);
+}
+
 std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                               bool filtered) {
-  if (!spatial(*scene).robot.members().empty()) {
-    return std::make_unique<SpatialTeamChecker>(std::move(scene), space, resolution, filtered);
+  const bool team = !spatial(*scene).robot.members().empty();
+  check_fits(*scene, space, resolution);
+  std::unique_ptr<NarrowPhase> phase;
+  if (team) {
+    phase = make_team_phase(scene, space, filtered);
+  } else {
+    phase = make_body_phase(scene, space, filtered);
   }
-  return std::make_unique<SpatialFclChecker>(std::move(scene), space, resolution, filtered);
+  return std::make_unique<Checker>(*scene, std::move(phase), resolution);
 }
 
 }  // namespace trellis

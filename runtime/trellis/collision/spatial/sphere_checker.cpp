@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The checker of manipulators: balls among the obstacles of space, and against each other.
+// The narrow phase of manipulators: balls among the obstacles of space, and against each other.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,9 +11,8 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/collision/checker.hpp>
 #include <trellis/collision/common.hpp>
-#include <trellis/collision/orders.hpp>
+#include <trellis/collision/narrow_phase.hpp>
 #include <trellis/collision/planar/kernel.hpp>
 #include <trellis/collision/spatial/sphere_scene.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
@@ -24,23 +22,21 @@ namespace trellis {
 
 namespace {
 
-class SphereChecker final : public Checker {
+class SpherePhase final : public NarrowPhase {
  public:
-  SphereChecker(std::shared_ptr<const Scene> scene, const Space& space, double resolution)
+  SpherePhase(std::shared_ptr<const Scene> scene, const Space& space)
       : scene_(std::move(scene)),
         world_(scene_->manipulator()->world),
         model_(scene_->manipulator()->robot),
         robot_(model_.robot()),
         base_(scene_->manipulator()->robot.base()),
         space_(space),
-        resolution_(resolution),
         slack_(touching_slack(*scene_)),
         shared_(SphereScene::of(scene_, slack_)),
         obstacles_(&shared_->obstacles()),
         batched_(shared_->batched()),
         q_(space.dimension()),
         change_(space.dimension()) {
-    check_fits(*scene_, space, resolution);
     for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
       // The base does not move: it is checked as the others, so that a base in an obstacle is found.
       if (!model_.bodies()[b].empty()) solid_.push_back(b);
@@ -60,81 +56,84 @@ class SphereChecker final : public Checker {
     if (batched_) add_scratch();
   }
 
-  [[nodiscard]] bool valid(View q) const override {
-    if (stands_in_contact_ || !is_finite(q, robot_.dimension())) return false;
-    return batched_ ? !touches(q) : free_at(q);
+  [[nodiscard]] double displacement(View a, View b) const override {
+    robot_.change(space_, a, b, change_);
+    std::fill(sums_.begin(), sums_.end(), 0.0);
+    const std::size_t bodies = sums_.size();
+    for (std::size_t j = 0; j < change_.size(); ++j) {
+      const double by = std::abs(change_[j]);
+      const double* reach = &reach_[j * bodies];
+      for (std::size_t k = 0; k < bodies; ++k) sums_[k] += by * reach[k];
+    }
+    double most = 0.0;
+    for (const double sum : sums_) most = std::max(most, sum);
+    return most;
   }
 
-  [[nodiscard]] std::uint32_t most_checks(View a, View b) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return 1;
-    return configurations_of(displacement(a, b), resolution_);
-  }
-  [[nodiscard]] MotionReport validate(View a, View b, std::uint32_t n) const override {
-    if (stands_in_contact_ || !is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
-      return {false, 1, 1.0};
-    }
-    if (n == 0) n = configurations_of(displacement(a, b), resolution_);
+  Decision begin(View a, View b, std::uint32_t n) override {
+    if (stands_in_contact_) return Decision::end_touches;
+    a_ = a;
+    b_ = b;
+    n_ = n;
     // The end is the first configuration of a motion, and most invalid motions of a search end in contact.
-    const bool end_alone = batched_ && end_decides_.pays();
-    if (end_alone && touches(b)) {
+    end_alone_ = batched_ && end_decides_.pays();
+    if (end_alone_ && meets(b)) {
       note_decided_at(0);
-      return {false, 1, 1.0};
+      return Decision::end_touches;
     }
-    const Order& order = order_of(n);
-    const MotionReport valid{true, n, std::numeric_limits<double>::quiet_NaN()};
-    if (!batched_) {
-      for (std::uint32_t rank = 0; rank < n; ++rank) {
-        const double share = order.share(rank);
-        space_.interpolate(a, b, share, q_);
-        if (!free_at(q_)) return {false, rank + 1, share};
-      }
-      return valid;
-    }
-    // Most of the others touch something in the second one.
-    const bool second_alone = end_alone && n > 1 && second_decides_.pays();
-    if (second_alone) {
-      space_.interpolate(a, b, order.share(1), q_);
-      if (touches(q_)) {
-        note_decided_at(1);
-        return {false, 2, order.share(1)};
-      }
-    }
-    const std::uint32_t alone = (end_alone ? 1 : 0) + (second_alone ? 1 : 0);
-    for (std::uint32_t rank = 0; rank < n && n > alone; rank += kernel::lanes) {
-      for (std::uint32_t lane = 0; lane < kernel::lanes; ++lane) {
-        space_.interpolate(a, b, order.share(rank + lane), q_);
-        for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
-      }
-      const unsigned hit = met(first_lanes(n - rank));
-      if (hit == 0) continue;
-      const auto first = rank + static_cast<std::uint32_t>(std::countr_zero(hit));
-      if (first >= n) continue;
-      note_decided_at(first);
-      return {false, first + 1, order.share(first)};
-    }
-    note_decided_at(n);
-    return valid;
+    return Decision::undecided;
   }
 
-  void certify(View a, View b, Certificate& certificate) const override {
-    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
-      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
-      return;
+  Batch check(const Order& order, std::uint32_t rank) override {
+    if (!batched_) {
+      return one_by_one(rank, n_, [&](std::uint32_t at) {
+        space_.interpolate(a_, b_, order.share(at), q_);
+        return !free_at(q_);
+      });
     }
+    if (rank == 0 && end_alone_) {
+      // Most of the motions whose ends are free touch something in the second configuration.
+      const bool second_alone = n_ > 1 && second_decides_.pays();
+      if (second_alone) {
+        space_.interpolate(a_, b_, order.share(1), q_);
+        if (meets(q_)) return {2, 2U};
+      }
+      const std::uint32_t alone = second_alone ? 2 : 1;
+      if (n_ == alone) return {n_, 0};
+    }
+    for (std::uint32_t lane = 0; lane < kernel::lanes; ++lane) {
+      space_.interpolate(a_, b_, order.share(rank + lane), q_);
+      for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
+    }
+    const unsigned asked = first_lanes(n_ - rank);
+    return {std::min(n_ - rank, kernel::lanes), met(asked) & asked};
+  }
+
+  std::optional<double> end(std::uint32_t first) override {
+    if (batched_) note_decided_at(first);
+    return std::nullopt;
+  }
+
+  bool sweep(View /*a*/, View /*b*/, Certificate& certificate) override {
     if (stands_in_contact_) {
       certificate.refuted_at = 0.0;
-      return;
+      return true;
     }
     certificate.nearest = std::min(certificate.nearest, standing_gap_);
     certificate.clearance = std::min(certificate.clearance, standing_gap_);
-    Clearances motion(*this, a, b);
-    const double longest =
-        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
-    add_motion(certificate, motion, motion.displacement(), batched_ ? motion.first_of(longest) : longest);
+    return false;
+  }
+
+  Distances on(View a, View b, double longest) override {
+    clearances_.emplace(*this, a, b);
+    return {*clearances_, clearances_->displacement(), batched_ ? clearances_->first_of(longest) : longest};
+  }
+
+  [[nodiscard]] bool touches(View q) const override {
+    return stands_in_contact_ || (batched_ ? meets(q) : !free_at(q));
   }
 
   [[nodiscard]] double clearance(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return 0.0;
     place(q);
     const double found = std::min(distance_at(std::numeric_limits<double>::infinity(), nullptr), standing_gap_);
     return found <= slack_ ? 0.0 : found;
@@ -169,10 +168,8 @@ class SphereChecker final : public Checker {
     return found;
   }
 
-  [[nodiscard]] CheckCost cost() const override { return check_cost(*scene_); }
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
-    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
-    if (batched_ && valid(q)) return std::nullopt;
+    if (batched_ && !touches(q)) return std::nullopt;
     place(q);
     for (const std::size_t b : solid_) {
       if (margin_of(b) <= -slack_) return Contact{b, std::nullopt};
@@ -241,12 +238,12 @@ class SphereChecker final : public Checker {
     int count_ = most;
   };
   /// Notes the first invalid configuration of a motion, by its rank.
-  void note_decided_at(std::uint32_t rank) const {
+  void note_decided_at(std::uint32_t rank) {
     end_decides_.note(rank == 0);
     if (rank > 0) second_decides_.note(rank == 1);
   }
-  /// Whether the robot touches something at q.
-  [[nodiscard]] bool touches(View q) const {
+  /// What the kernels say of one configuration.
+  [[nodiscard]] bool meets(View q) const {
     return kernel_.touches(chain().data(), static_cast<unsigned>(chain().size()), q.data(), shared_->kernel_scene(),
                            one_->get());
   }
@@ -261,21 +258,6 @@ class SphereChecker final : public Checker {
     scene.cloud_lanes = asked;
     kernel_.move_chain(chain().data(), count, values_.data(), frames3_.data());
     return kernel_.meet_chain(chain().data(), count, frames3_.data(), scene, centres_.data(), scratch_.data());
-  }
-
-  /// A bound on how far the robot's points move from a to b.
-  [[nodiscard]] double displacement(View a, View b) const {
-    robot_.change(space_, a, b, change_);
-    std::fill(sums_.begin(), sums_.end(), 0.0);
-    const std::size_t bodies = sums_.size();
-    for (std::size_t j = 0; j < change_.size(); ++j) {
-      const double by = std::abs(change_[j]);
-      const double* reach = &reach_[j * bodies];
-      for (std::size_t k = 0; k < bodies; ++k) sums_[k] += by * reach[k];
-    }
-    double most = 0.0;
-    for (const double sum : sums_) most = std::max(most, sum);
-    return most;
   }
 
   /// Computes the frames of all bodies at q.
@@ -478,7 +460,7 @@ class SphereChecker final : public Checker {
   /// The distances on a motion.
   class Clearances final : public MotionClearance {
    public:
-    Clearances(const SphereChecker& checker, View a, View b)
+    Clearances(const SpherePhase& checker, View a, View b)
         : checker_(checker),
           a_(a),
           b_(b),
@@ -608,7 +590,7 @@ class SphereChecker final : public Checker {
       }
     }
 
-    const SphereChecker& checker_;
+    const SpherePhase& checker_;
     View a_;
     View b_;
     std::vector<double> whole_;  ///< of each body, on the whole motion
@@ -631,7 +613,6 @@ class SphereChecker final : public Checker {
   const Manipulator& robot_;
   Pose3 base_;
   Space space_;
-  double resolution_;
   double slack_;
   std::shared_ptr<const SphereScene> shared_;
   const SolidObstacles* obstacles_;
@@ -640,6 +621,12 @@ class SphereChecker final : public Checker {
   double standing_gap_ = std::numeric_limits<double>::infinity();  ///< of links that do not move against each other
   bool stands_in_contact_ = false;                                 ///< such links touch: no configuration is valid
   const kernel::Table& kernel_ = kernel::best();
+  // The motion that has begun, or is certified.
+  View a_;
+  View b_;
+  std::uint32_t n_ = 0;
+  bool end_alone_ = false;  ///< `begin` has checked its end
+  std::optional<Clearances> clearances_;
   // Scratch.
   mutable Configuration q_;
   mutable Configuration change_;
@@ -651,8 +638,8 @@ class SphereChecker final : public Checker {
   mutable std::vector<kernel::Lanes> centres_;
   mutable std::vector<unsigned> scratch_;
   mutable std::optional<ConfigurationMemory> one_;
-  mutable Habit end_decides_;
-  mutable Habit second_decides_;                   ///< of the motions whose ends are valid
+  Habit end_decides_;
+  Habit second_decides_;                           ///< of the motions whose ends are valid
   mutable std::vector<BodyFrame> frames_;          ///< of each body in the world
   mutable std::vector<std::vector<Vec3>> placed_;  ///< the centres of each body's balls
 };
@@ -661,7 +648,8 @@ class SphereChecker final : public Checker {
 
 std::unique_ptr<Checker> make_sphere_checker(std::shared_ptr<const Scene> scene, const Space& space,
                                              double resolution) {
-  return std::make_unique<SphereChecker>(std::move(scene), space, resolution);
+  check_fits(*scene, space, resolution);
+  return std::make_unique<Checker>(*scene, std::make_unique<SpherePhase>(scene, space), resolution);
 }
 
 }  // namespace trellis
