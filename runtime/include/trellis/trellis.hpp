@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Problems, strategies and their execution. Tests of strategies include <trellis/testing.hpp>.
+// Problems, strategies and their execution. Tests of strategies include <trellis/testing.hpp>, users of Eigen
+// <trellis/eigen.hpp>.
 //
 //     const StrategySpec strategy = GuideSpec::make("skeleton", {}) >> StrategySpec(PlannerSpec::make("rrt", {}));
 //     for (const Problem& problem : read_problems("scene.txt", {})) {
