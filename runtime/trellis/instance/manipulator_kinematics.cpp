@@ -12,8 +12,18 @@
 
 namespace trellis {
 
+namespace {
+
+/// Of the rows of a step's equations: 3 for a point, 6 for a frame. Bounded sizes need no allocation.
+using RowVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+}  // namespace
+
 struct ManipulatorKinematics::Scratch {
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;
+  Eigen::VectorXd change;       ///< of a step: metres of the metric, by coordinate
+  std::vector<char> fixed;      ///< coordinates that a step would take beyond their limits
   std::vector<double> weights;  ///< metres of the metric per unit of a coordinate
   std::vector<double> lo;
   std::vector<double> hi;       ///< at most lo where the coordinate has no limits
@@ -27,6 +37,8 @@ ManipulatorKinematics::ManipulatorKinematics(const SphereModel& robot, const Spa
   frames_.resize(chain_.size());
   const std::size_t columns = robot.robot().dimension();
   scratch_->jacobian.resize(6, static_cast<Eigen::Index>(columns));
+  scratch_->change.resize(static_cast<Eigen::Index>(columns));
+  scratch_->fixed.resize(columns);
   const std::vector<Axis> axes = space.coordinates();
   for (std::size_t j = 0; j < columns; ++j) {
     scratch_->weights.push_back(axes[j].weight);
@@ -82,7 +94,11 @@ bool ManipulatorKinematics::solve(MutableView q, const Pose3& target, double nea
   const std::size_t columns = scratch_->weights.size();
   double least = std::numeric_limits<double>::infinity();
   int idle = 0;
-  std::vector<char> fixed(columns);
+  auto& fixed = scratch_->fixed;
+  auto& change = scratch_->change;
+  RowMatrix normal(rows, rows);
+  Eigen::LDLT<RowMatrix> factors(rows);
+  RowVector force(rows);
   for (int step = 0; step < most_steps; ++step) {
     announce_work(search_cost::kinematics);
     ++steps_;
@@ -144,16 +160,17 @@ bool ManipulatorKinematics::solve(MutableView q, const Pose3& target, double nea
         add(body.column, cross(axis, end_.position - frames_[i].position), axis);
       }
     }
-    Eigen::Matrix<double, 6, 1> wanted{error.x, error.y, error.z, lever * spin.x, lever * spin.y, lever * spin.z};
+    const Eigen::Matrix<double, 6, 1> wanted{error.x, error.y, error.z, lever * spin.x, lever * spin.y, lever * spin.z};
     std::fill(fixed.begin(), fixed.end(), 0);
     // Coordinates that a step would take beyond their limits stay, and the others make the step.
-    Eigen::VectorXd change;
     for (int pass = 0; pass < 3; ++pass) {
-      Eigen::MatrixXd normal = jacobian.topRows(rows) * jacobian.topRows(rows).transpose();
+      normal.noalias() = jacobian.topRows(rows) * jacobian.topRows(rows).transpose();
       const double trace = normal.trace();
       if (!(trace > 0.0)) return false;
       normal.diagonal().array() += damping * trace;
-      change = jacobian.topRows(rows).transpose() * normal.ldlt().solve(wanted.head(rows));
+      factors.compute(normal);
+      force = factors.solve(wanted.head(rows));
+      change.noalias() = jacobian.topRows(rows).transpose() * force;
       bool beyond = false;
       for (std::size_t j = 0; j < columns; ++j) {
         if (!(scratch_->lo[j] < scratch_->hi[j]) || fixed[j] != 0) continue;
