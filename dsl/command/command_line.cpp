@@ -5,9 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <dsl/command/provenance.hpp>
 #include <trellis/base/error.hpp>
@@ -17,6 +20,13 @@ namespace trellis::command {
 namespace {
 
 constexpr const char* more_help = "; 'trellis help' shows the usage";
+
+/// Verbs of earlier versions, and what replaces each.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> replaced = {{
+    {"plot", "'trellis report RESULTS --figures FOLDER' draws results"},
+    {"compare", "'trellis report RESULTS RESULTS' compares results"},
+    {"train", "'trellis experience --data FOLDER' trains a heuristic"},
+}};
 
 }  // namespace
 
@@ -143,6 +153,9 @@ std::vector<std::string> CommandLine::with_verb(std::vector<std::string> words) 
   if (first.ends_with(".lua")) {
     words.insert(words.begin(), "run");
     return words;
+  }
+  for (const auto& [verb, replacement] : replaced) {
+    if (first == verb) throw Error(fmt::format("no command '{}': {}", first, replacement) + more_help);
   }
   const std::string offer = did_you_mean(first, known);
   throw Error(fmt::format("no command '{}'{}", first,

@@ -433,6 +433,23 @@ TEST_CASE("a script alone is run, and a misspelt command is named with the neare
   CHECK(none.status == 2);
 }
 
+TEST_CASE("a command of an earlier version is named with what replaces it") {
+  const Place place;
+  const auto said = [&](std::vector<std::string> words) {
+    const auto outcome = place.run(std::move(words));
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out.empty());
+    return outcome.err;
+  };
+  const std::string more = "; 'trellis help' shows the usage\n";
+  CHECK(said({"plot", "results.json"}) ==
+        "trellis: no command 'plot': 'trellis report RESULTS --figures FOLDER' draws results" + more);
+  CHECK(said({"compare", "a.json", "b.json"}) ==
+        "trellis: no command 'compare': 'trellis report RESULTS RESULTS' compares results" + more);
+  CHECK(said({"train", "--data", "worlds"}) ==
+        "trellis: no command 'train': 'trellis experience --data FOLDER' trains a heuristic" + more);
+}
+
 TEST_CASE("check names inputs that are valid and probably mistakes") {
   const Place place;
   const std::string walls = "world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.8}, box {4, 5.2, 6, 10} }";
