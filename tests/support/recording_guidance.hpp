@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 
 namespace trellis::test {
 

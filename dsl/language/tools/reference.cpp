@@ -13,7 +13,7 @@
 
 #include <dsl/language/tools/words.hpp>
 #include <dsl/language/words/modules.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 #include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {

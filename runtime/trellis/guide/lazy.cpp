@@ -10,7 +10,7 @@
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 
 namespace trellis {
 

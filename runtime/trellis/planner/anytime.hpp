@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <trellis/planner/common.hpp>
 #include <trellis/planner/connection.hpp>
-#include <trellis/planner/loop.hpp>
 
 namespace trellis {
 

@@ -12,8 +12,8 @@
 #include <trellis/base/error.hpp>
 #include <trellis/memory/best_first_search.hpp>
 #include <trellis/memory/search_model.hpp>
+#include <trellis/planner/common.hpp>
 #include <trellis/planner/evaluated_graph.hpp>
-#include <trellis/planner/loop.hpp>
 
 namespace trellis {
 

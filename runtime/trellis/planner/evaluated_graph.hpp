@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <trellis/instance/search_cost.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 #include <trellis/space/nearest.hpp>
 
 namespace trellis {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/planner/common.hpp>
 #include <trellis/planner/evaluated_graph.hpp>
-#include <trellis/planner/loop.hpp>
 #include <trellis/planner/vertex_queue.hpp>
 
 namespace trellis {

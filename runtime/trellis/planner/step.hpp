@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 
 namespace trellis {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 #include <trellis/space/nearest.hpp>
 
 namespace trellis {

@@ -13,7 +13,7 @@
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 #include <trellis/strategy/absorb.hpp>
 
 namespace trellis {

@@ -10,7 +10,7 @@
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/instance/certified_validity.hpp>
 #include <trellis/instance/path_fault.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 
 namespace trellis {
 

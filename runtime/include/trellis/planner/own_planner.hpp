@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For planners outside of the library: parts of their steps (loop.hpp) and the registration. docs/planner.md
+// For planners outside of the library: parts of their steps (common.hpp) and the registration. docs/planner.md
 // has an example.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/common.hpp>
 
 namespace trellis {
 
