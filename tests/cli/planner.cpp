@@ -84,3 +84,31 @@ SCENARIO("a registered planner hides no word of the language", "[cli][planner]")
     }
   }
 }
+
+SCENARIO("the steps of a planner without proposals end", "[cli][planner]") {
+  GIVEN("a planner that plans such steps and does not override Planner::work") {
+    const Place place;
+    place.script("alone.lua", "return waits(), scenes.cup()\n");
+    place.script("below.lua", "return identity { planner = waits() } >> rrt { step = 0.05 }, scenes.cup()\n");
+    THEN("the run fails and names the planner, at the root and below") {
+      for (const char* const script : {"alone.lua", "below.lua"}) {
+        CAPTURE(script);
+        const Outcome out = run(place, std::string("named_planner own run --quiet ") + script);
+        CHECK(out.status == 1);
+        CHECK_THAT(out.err, Contains("the planner 'waits' plans a step without a proposal, and does not override "
+                                     "Planner::work"));
+      }
+    }
+  }
+  GIVEN("a planner whose steps do nothing") {
+    const Place place;
+    place.script("alone.lua", "return works { seconds = 0.2 }, scenes.cup()\n");
+    place.script("below.lua", "return identity { planner = works { seconds = 0.2 } } >> rrt(), scenes.cup()\n");
+    THEN("the limit of seconds ends them") {
+      const Outcome out = run(place, "named_planner own run alone.lua");
+      CHECK(out.status == 0);
+      CHECK_THAT(out.out, Contains("budget spent") || Contains("spent"));
+      CHECK(run(place, "named_planner own run --quiet below.lua").status == 0);
+    }
+  }
+}

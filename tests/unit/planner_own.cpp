@@ -38,6 +38,16 @@ Own named(const std::string& name, const std::string& summary = "a planner") {
   return {Component::Kind::planner, name, summary, ""};
 }
 
+/// Plans a step that it does not have.
+class Waiting final : public Planner {
+ public:
+  explicit Waiting(PlannerContext context) : Planner(std::move(context)) {}
+  std::optional<Status> begin(const Budget& /*budget*/) override { return std::nullopt; }
+  Plan plan() override { return {.proposal = false}; }
+  Outcome extend(View /*proposal*/) override { return {}; }
+  Solution solution(Status status) override { return {status, {}}; }
+};
+
 void add(const Own& settings) {
   register_planner({.component = &settings.component(),
                     .common = [](const Options&) { return PlannerCommon(); },
@@ -86,6 +96,29 @@ SCENARIO("register_planner refuses a planner that scripts could not use", "[plan
     THEN("a planner comes too late") {
       CHECK_THROWS_WITH(add(with_common(named("late"))),
                         Contains("planner 'late' comes too late; register planners at the beginning"));
+    }
+  }
+}
+
+SCENARIO("a planner cannot wait without an end", "[planner][own]") {
+  GIVEN("a planner that plans steps without a proposal, and does not override Planner::work") {
+    const auto instance = make_instance(test::cup_problem());
+    test::RecordingGuidance guidance(*instance);
+    Search search(instance->space.dimension());
+    const auto solve = [&](std::string_view name) {
+      Waiting planner({.instance = *instance,
+                       .guidance = guidance,
+                       .proposals = Stream(1, "0", "proposals"),
+                       .search = search,
+                       .guided = false,
+                       .name = name});
+      planner.solve(guidance, Budget());
+    };
+    THEN("its first step throws, and says which planner it is") {
+      CHECK_THROWS_AS(solve(""), Fault);
+      CHECK_THROWS_WITH(solve(""), "the planner plans a step without a proposal, and does not override Planner::work");
+      CHECK_THROWS_WITH(solve("waits"), Contains("the planner 'waits' plans a step without a proposal"));
+      CHECK(guidance.outcomes.empty());
     }
   }
 }

@@ -36,6 +36,11 @@ std::string_view to_string(Status status) {
   throw Fault("unknown status");
 }
 
+std::optional<Status> Planner::work() {
+  throw Fault(fmt::format("the planner{} plans a step without a proposal, and does not override Planner::work",
+                          context_.name.empty() ? "" : fmt::format(" '{}'", context_.name)));
+}
+
 Solution Planner::solve(Guidance& h, const Budget& budget, const std::function<std::optional<Status>()>& limit) {
   BudgetMonitor monitor(context_.instance, context_.search, budget);
   Lookahead alone(context_.instance, h, nullptr);

@@ -64,8 +64,9 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
 
 std::unique_ptr<Planner> Level::make_planner() {
   record_.search.sources = h_.sources();
-  PlannerContext context{*instance_,     h_,          Stream(run_.seed, record_.key, stream_),
-                         record_.search, h_.guided(), &lookahead_};
+  PlannerContext context{*instance_,           h_,          Stream(run_.seed, record_.key, stream_),
+                         record_.search,       h_.guided(), &lookahead_,
+                         kind_.component->name};
   if (division_) {
     TeamSearchContext of{
         run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, *division_, std::move(context)};

@@ -114,6 +114,7 @@ struct PlannerContext {
   bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
                      ///< draws no proposal
   Lookahead* ahead = nullptr;  ///< what helper threads computed for the present step; nullptr: nothing
+  std::string_view name = {};  ///< of the planner in scripts, for messages; empty without an executor
 };
 
 /// What the next step of a planner is.
@@ -155,9 +156,12 @@ class Planner {
   /// The rest of a step with a proposal: motions to the goal or to another tree, or a search of the roadmap.
   /// \return the status if the solve ends; none if it continues
   virtual std::optional<Status> follow() { return std::nullopt; }
-  /// A step without a proposal: the repair of a branch, an expansion of a graph, a search of the roadmap.
+  /// A step without a proposal: the repair of a branch, an expansion of a graph, a search of the roadmap. A planner
+  /// whose `plan` never returns such a step does without this function.
   /// \return the status if the solve ends; none if it continues
-  virtual std::optional<Status> work() { return std::nullopt; }
+  /// \throws Fault where the planner plans such a step and does not override this function: nothing would end its
+  ///     search, as neither proposals nor checks would be spent
+  virtual std::optional<Status> work();
   /// Called instead of a step when a limit is reached.
   /// \param limit  why the solve stops: budget_spent, or the status that the caller's limit returned
   /// \return `limit` or another status if the solve ends; none if it continues without proposals: then `draws` returns
