@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <functional>
 #include <iterator>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <trellis/strategy/executor.hpp>
@@ -683,4 +686,122 @@ TEST_CASE("a run that is not measured plans the same, and records no densities",
   }
   CHECK(measured.levels.front().proposal_density);
   CHECK_FALSE(measured.levels.back().lifted_nodes.empty());
+}
+
+namespace {
+
+/// A call of `watch`.
+struct Shown {
+  int level = 0;
+  std::size_t proposals = 0;
+  Configuration proposal;
+  bool same_thread = false;
+
+  friend bool operator==(const Shown&, const Shown&) = default;
+};
+
+/// Adds each call to a list.
+std::function<void(const LevelRecord&, const Guidance&)> adding_to(std::vector<Shown>& shown) {
+  return [&shown, caller = std::this_thread::get_id()](const LevelRecord& level, const Guidance&) {
+    const View last = level.search.proposals.back();
+    shown.push_back(
+        {level.level, level.search.proposals.size(), {last.begin(), last.end()}, std::this_thread::get_id() == caller});
+  };
+}
+
+/// Strategies whose trees are long enough for helper threads, which compute steps ahead from 64 nodes on.
+std::vector<StrategySpec> long_searches() {
+  return {rrt({{"step", 0.05}}), PlannerSpec::make("rrt_connect", {{"step", 0.05}}),
+          guide("gaussian") >> rrt({{"step", 0.05}}), guide("shrink") >> rrt({{"step", 0.05}})};
+}
+
+}  // namespace
+
+TEST_CASE("helper threads change nothing of what a run shows, proposal by proposal", "[executor][threads]") {
+  for (const StrategySpec& strategy : long_searches()) {
+    CAPTURE(strategy.text());
+    std::vector<Shown> alone;
+    std::vector<Shown> helped;
+    ExecuteOptions options;
+    options.watch = adding_to(alone);
+    const RunRecord one = execute(strategy, test::trap_problem(), 2, options);
+    options.watch = adding_to(helped);
+    options.threads = 3;
+    const RunRecord three = execute(strategy, test::trap_problem(), 2, options);
+    CHECK(alone.size() > 1500);
+    CHECK(alone == helped);
+    CHECK(std::ranges::all_of(helped, &Shown::same_thread));
+    CHECK(one.validity_checks == three.validity_checks);
+    CHECK(std::ranges::equal(one.path.values(), three.path.values()));
+  }
+}
+
+TEST_CASE("a run with helper threads ends at the proposal at which it is interrupted", "[executor][threads]") {
+  for (const StrategySpec& strategy : long_searches()) {
+    CAPTURE(strategy.text());
+    const RunRecord whole = execute(strategy, test::trap_problem(), 2);
+    for (const std::uint64_t at : {63, 400, 1200, 1500}) {
+      CAPTURE(at);
+      std::uint64_t drawn = 0;
+      ExecuteOptions options{.threads = 3};
+      options.watch = [&](const LevelRecord&, const Guidance&) { ++drawn; };
+      options.interrupted = [&] { return drawn >= at; };
+      const RunRecord stopped = execute(strategy, test::trap_problem(), 2, options);
+      REQUIRE(stopped.status == Status::interrupted);
+      CHECK(drawn == at);
+      CHECK(test::check_part(stopped, whole) == at);
+    }
+  }
+}
+
+TEST_CASE("what `watch` throws leaves a run with helper threads", "[executor][threads]") {
+  for (const StrategySpec& strategy : long_searches()) {
+    CAPTURE(strategy.text());
+    std::size_t drawn = 0;
+    ExecuteOptions options{.threads = 3};
+    options.watch = [&](const LevelRecord&, const Guidance&) {
+      if (++drawn == 1200) throw std::runtime_error("enough");
+    };
+    CHECK_THROWS_WITH(execute(strategy, test::trap_problem(), 2, options), "enough");
+    CHECK(drawn == 1200);
+  }
+}
+
+TEST_CASE("once the planner beside a guided search has a path, no level draws again", "[executor][bound]") {
+  // Mixtures and blends draw while their parts search in slices; the others wait for a search below. A tree has a path
+  // at its last proposal; a roadmap may find it later, in its edges.
+  const std::vector<StrategySpec> strategies = {
+      (guide("skeleton") + guide("shrink")) >> rrt(),
+      (guide("lazy") + guide("gaussian")) >> PlannerSpec::make("rrt_connect", {}),
+      blend({guide("shrink"), guide("workspace")}) >> rrt(),
+      blend({guide("lazy") >> guide("shrink"), guide("shrink")}) >> PlannerSpec::make("rrt_connect", {}),
+      race({guide("lazy"), guide("shrink")}) >> rrt(),
+      guide("shrink") >> guide("lazy") >> PlannerSpec::make("rrt_connect", {}),
+  };
+  std::size_t won = 0;
+  std::size_t unfinished = 0;
+  for (const Problem& problem : {test::cup_problem(), test::trap_problem()}) {
+    for (const StrategySpec& strategy : strategies) {
+      for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        CAPTURE(strategy.text(), problem.name, seed);
+        std::vector<Shown> shown;
+        ExecuteOptions options;
+        options.watch = adding_to(shown);
+        const RunRecord run = execute(strategy, problem, seed, options);
+        REQUIRE(run.bounded.bound > 1.0);
+        if (!run.bounded.unguided_won) continue;
+        ++won;
+        REQUIRE_FALSE(shown.empty());
+        CHECK(shown.back().level == -1);
+        CHECK(shown.back().proposals == run.bounded.unguided_proposals);
+        // The search of a level below had not ended.
+        unfinished += std::ranges::any_of(run.levels, [](const LevelRecord& level) {
+          return level.parent >= 0 && !level.search.proposals.empty() && !level.solution.solved();
+        });
+        test::check_law(strategy, problem, seed);
+      }
+    }
+  }
+  CHECK(won >= 10);
+  CHECK(unfinished >= 3);
 }
