@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT-0
+"""Figures and tables for papers, from a document of `trellis run --json`; without the compiled module of Trellis.
+
+    from trellis import figures
+    figures.save("results.json", "figures")        # all that the document has data for: SVG, PDF, PNG, and tables
+    ax = figures.costs("results.json")             # one of them: axes of matplotlib
+    figures.save(ax, "figures", formats=["pdf"])
+
+| function | question |
+|---|---|
+| `costs` | what does each strategy cost? |
+| `success` | how likely is a path by a number of checks? |
+| `ratios` | does guidance pay? |
+| `levels` | which guide earns its place? |
+| `waterfall` | what does each level add? |
+| `correlation` | which nats predict the checks? |
+| `scales` | how do the costs depend on an option? |
+| `tables` | the numbers: frames of pandas, CSV, Markdown, LaTeX |
+
+Each function takes a document (a path, a dict, a `trellis.Result`, or what `read` returned) and `ax=`, and returns the
+axes. Text has 7 pt; the baseline is grey, and each other strategy has a colour, a mark and a dash by its place in the
+document, the same in every figure. Medians, intervals and verdicts are those of the document. Widths are 86 mm (a
+column) or 178 mm (a page). pyplot is not used, and no setting of matplotlib is changed.
+
+Needs numpy and matplotlib (Debian: python3-matplotlib); tables need pandas (python3-pandas).
+"""
+try:
+    import matplotlib as _matplotlib  # noqa: F401
+except ImportError as _missing:
+    raise ImportError("figures need matplotlib (Debian: python3-matplotlib)") from _missing
+
+from ._costs import costs, levels, ratios, success
+from ._document import Error, Interval, Results, read
+from ._measure import correlation, scales, waterfall
+from ._save import save, supported
+from ._tables import tables
+
+__all__ = [
+    "Error",
+    "Interval",
+    "Results",
+    "correlation",
+    "costs",
+    "levels",
+    "ratios",
+    "read",
+    "save",
+    "scales",
+    "success",
+    "supported",
+    "tables",
+    "waterfall",
+]

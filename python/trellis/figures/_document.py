@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: MIT-0
+"""Reads the JSON document of `trellis run --json`, and returns the parts that figures and tables show."""
+from __future__ import annotations
+
+import json
+import math
+import os
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+FORMAT = 3
+
+_QUANTITIES = ("validity_checks", "motion_checks", "time_s", "cpu_s")
+
+
+class Error(ValueError):
+    """A fault of a document, or of an argument that names a part of it."""
+
+
+def number(value: Any) -> float:
+    """A number of the document, where a missing value is null and an infinite one is a text; NaN for null."""
+    return math.nan if value is None else float(value)
+
+
+class Interval:
+    """A value with the ends of its interval. Missing ones are NaN."""
+
+    __slots__ = ("value", "lo", "hi")
+
+    def __init__(self, value: float = math.nan, lo: float = math.nan, hi: float = math.nan) -> None:
+        self.value = value
+        self.lo = lo
+        self.hi = hi
+
+    @classmethod
+    def of(cls, entry: Optional[Mapping[str, Any]]) -> "Interval":
+        """The interval of the document: an object with `value`, `lo` and `hi`, or null."""
+        if entry is None:
+            return cls()
+        return cls(*(number(entry.get(end)) for end in ("value", "lo", "hi")))
+
+    @property
+    def bounded(self) -> bool:
+        """Whether it excludes any cost or ratio: [0, inf] excludes none."""
+        return not math.isnan(self.lo) and not math.isnan(self.hi) and (self.lo > 0 or math.isfinite(self.hi))
+
+    def inverse(self) -> "Interval":
+        """The interval of 1 / x, of a value of at least 0."""
+        return Interval(*(1 / x if x > 0 else math.inf if x == 0 else x for x in (self.value, self.hi, self.lo)))
+
+
+class Results:
+    """The results of an experiment, as figures and tables read them. `read` makes one.
+
+    document:   the JSON document, as dicts and lists; docs/formats.md describes each field.
+    file:       the file that it comes from, for messages.
+    problems:   the names of the problems, in the order of the document.
+    strategies: the names of the strategies: the baseline, then the others by the mean logarithm of the ratios of their
+                costs to the baseline's, the cheapest first. Without those that `ablate` adds.
+    baseline:   the strategy that the others are compared with, "" for none.
+    """
+
+    document: Dict[str, Any]
+    file: str
+    problems: List[str]
+    strategies: List[str]
+    baseline: str
+
+    def __init__(self, document: Mapping[str, Any], file: str = "the document") -> None:
+        head = document.get("trellis")
+        if not isinstance(head, Mapping) or not isinstance(document.get("experiment"), Mapping):
+            raise Error(f"{file}: this is no document of `trellis run --json`")
+        found = head.get("format", 1)
+        if found != FORMAT:
+            raise Error(
+                f"{file}: the document has format {found}; figures read format {FORMAT}: run it again with this version"
+            )
+        self.document = dict(document)
+        self.file = file
+        experiment = document["experiment"]
+        self.problems = [problem["name"] for problem in experiment["problems"]]
+        self._specs = {strategy["name"]: strategy for strategy in experiment["strategies"]}
+        left_out = {entry["strategy"] for entry in document["comparisons"] if entry.get("ablation")}
+        self._listed = [name for name in self._specs if name not in left_out]
+        self._runs: Dict[Tuple[str, str], List[Mapping[str, Any]]] = {}
+        for run in document["runs"]:
+            self._runs.setdefault((run["problem"], run["strategy"]), []).append(run)
+        self._summary = {(entry["problem"], entry["strategy"]): entry for entry in document["summary"]}
+        self._comparisons = {
+            (entry["problem"], entry["strategy"]): entry
+            for entry in document["comparisons"]
+            if not entry.get("ablation")
+        }
+        self.baseline = self._reference()
+        others = [name for name in self._listed if name != self.baseline]
+        others.sort(key=self._overall)
+        self.strategies = ([self.baseline] if self.baseline else []) + others
+
+    def _reference(self) -> str:
+        compared = [str(entry["baseline"]) for entry in self._comparisons.values()]
+        if compared:
+            return compared[0]
+        given = self.document["experiment"].get("baseline")
+        if given in self._listed:
+            return str(given)
+        if len(self._listed) < 2:
+            return ""
+        return next((name for name in self._listed if not self._specs[name]["guided"]), self._listed[0])
+
+    def _overall(self, strategy: str) -> float:
+        logs = []
+        for problem in self.problems:
+            ratio = self.ratio(problem, strategy).value
+            if not math.isnan(ratio):
+                logs.append(math.log(min(max(ratio, 1e-3), 1e3)))
+        return sum(logs) / len(logs) if logs else 0.0
+
+    def __repr__(self) -> str:
+        return f"<trellis.figures.Results of {len(self.document['runs'])} runs>"
+
+    @property
+    def seeds(self) -> int:
+        """The number of seeds."""
+        return len(self.document["experiment"]["seeds"])
+
+    @property
+    def others(self) -> List[str]:
+        """The strategies without the baseline, in the order of `strategies`."""
+        return [name for name in self.strategies if name != self.baseline]
+
+    @property
+    def script(self) -> List[str]:
+        """All strategies in the order of the document, with those that `ablate` adds."""
+        return list(self._specs)
+
+    def place(self, strategy: str) -> int:
+        """The place of a strategy among those that are no baseline, in the order of the document; -1: the baseline."""
+        if strategy == self.baseline:
+            return -1
+        return [name for name in self._listed if name != self.baseline].index(strategy)
+
+    def spec(self, strategy: str) -> Mapping[str, Any]:
+        """The entry of `experiment.strategies`."""
+        spec: Mapping[str, Any] = self._specs[strategy]
+        return spec
+
+    def guided(self, strategy: str) -> bool:
+        """Whether the strategy has guides."""
+        return bool(self._specs[strategy]["guided"])
+
+    def runs(self, problem: Optional[str], strategy: str) -> List[Mapping[str, Any]]:
+        """The runs of a strategy on a problem, or on all problems (None), by problem and seed."""
+        where = self.problems if problem is None else [problem]
+        return [run for name in where for run in self._runs.get((name, strategy), [])]
+
+    def costs(self, problem: Optional[str], strategy: str, cost: str = "validity_checks") -> "np.ndarray[Any, Any]":
+        """What each run costs until its first path; infinite for a run without a path, NaN where it has no such value.
+
+        cost: "validity_checks" or "motion_checks", or "time_s" or "cpu_s" in seconds. Times are of all of a run.
+
+        Raises `Error` for another cost.
+        """
+        check_cost(cost, _QUANTITIES)
+        return np.array([self._cost(run, cost) for run in self.runs(problem, strategy)], float)
+
+    @staticmethod
+    def _cost(run: Mapping[str, Any], cost: str) -> float:
+        if not run["solved"]:
+            return math.inf
+        later = number(run.get("improvement_checks", 0)) if cost == "validity_checks" else 0.0
+        return number(run[cost]) - later
+
+    def spent(self, problem: Optional[str], strategy: str, cost: str = "validity_checks") -> float:
+        """The largest cost of a run, solved or not; 0 without runs."""
+        return max((number(run[cost]) for run in self.runs(problem, strategy)), default=0.0)
+
+    def summary(self, problem: Optional[str], strategy: str) -> Optional[Mapping[str, Any]]:
+        """The entry of `summary` of a strategy on a problem, or on all of them (None); None where there is none."""
+        if problem is None and len(self.problems) == 1:
+            problem = self.problems[0]
+        return self._summary.get((problem, strategy))
+
+    def comparison(self, problem: Optional[str], strategy: str) -> Optional[Mapping[str, Any]]:
+        """The entry of `comparisons`, likewise."""
+        if problem is None and len(self.problems) == 1:
+            problem = self.problems[0]
+        return self._comparisons.get((problem, strategy))
+
+    def median(self, problem: Optional[str], strategy: str, cost: str = "validity_checks") -> Interval:
+        """The median cost with its 95 % interval, of the document's summary."""
+        entry = self.summary(problem, strategy)
+        return Interval() if entry is None else Interval.of(entry[cost])
+
+    def ratio(self, problem: Optional[str], strategy: str) -> Interval:
+        """The median of the validity checks divided by the baseline's on the same seed, with its 95 % interval."""
+        entry = self.comparison(problem, strategy)
+        return Interval() if entry is None else Interval.of(entry["validity_checks"]["ratio"])
+
+    def shown(self, problem: Optional[str], strategy: str) -> bool:
+        """Whether the sign test, corrected by Holm, shows a difference to the baseline (5 %)."""
+        entry = self.comparison(problem, strategy)
+        return entry is not None and number(entry["validity_checks"]["holm_p"]) < 0.05
+
+    def solved(self, problem: Optional[str], strategy: str) -> Tuple[int, int]:
+        """The numbers of solved runs and of runs."""
+        runs = self.runs(problem, strategy)
+        return sum(1 for run in runs if run["solved"]), len(runs)
+
+    def chosen(self, strategies: Optional[Sequence[str]]) -> List[str]:
+        """The named strategies, in the order of `strategies`; all for None.
+
+        Raises `Error` for an unknown name.
+        """
+        if strategies is None:
+            return list(self.strategies)
+        names = [strategies] if isinstance(strategies, str) else list(strategies)
+        for name in names:
+            if name not in self.strategies:
+                raise Error(f"{self.file}: there is no strategy '{name}'; there are: {', '.join(self.strategies)}")
+        return [name for name in self.strategies if name in names]
+
+    def panels(self, problem: Union[None, str, Sequence[str]]) -> List[str]:
+        """The named problems, in the order given; all for None.
+
+        Raises `Error` for an unknown name, and for an empty list.
+        """
+        if problem is None:
+            return list(self.problems)
+        names = [problem] if isinstance(problem, str) else list(problem)
+        for name in names:
+            if name not in self.problems:
+                raise Error(f"{self.file}: there is no problem '{name}'; there are: {', '.join(self.problems)}")
+        if not names:
+            raise Error(f"{self.file}: name at least one problem")
+        return names
+
+
+def check_cost(cost: str, known: Sequence[str]) -> None:
+    if cost not in known:
+        raise Error(f"there is no cost '{cost}'; there are: {', '.join(known)}")
+
+
+Document = Union[str, "os.PathLike[str]", Mapping[str, Any], Results, Any]
+
+
+def read(document: Document) -> Results:
+    """Returns the results of a document.
+
+    document: the path of a file of `trellis run --json`, its content as a dict, a `trellis.Result`, or a `Results`,
+              which is returned as it is.
+
+    Raises `Error` for a document of another format, and for a file that is no document; OSError where the file cannot
+    be read.
+    """
+    if isinstance(document, Results):
+        return document
+    if isinstance(document, Mapping):
+        return Results(document)
+    if isinstance(document, (str, os.PathLike)):
+        file = os.fspath(document)
+        with open(file, encoding="utf-8") as stream:
+            try:
+                content = json.load(stream)
+            except ValueError as fault:
+                raise Error(f"{file}: this is no JSON document ({fault})") from fault
+        if not isinstance(content, Mapping):
+            raise Error(f"{file}: this is no document of `trellis run --json`")
+        return Results(content, file)
+    content = getattr(document, "document", None)
+    if isinstance(content, Mapping):
+        return Results(content)
+    raise Error(f"a document is a path, a dict or a result, got {type(document).__name__}")
