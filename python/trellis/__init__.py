@@ -10,14 +10,22 @@
     recorder.add(samples)                      # of any planner: an array of N rows
     print(recorder.measure(path, delta=0.5))   # SE_T(Q), mass and spread, with intervals
 
-Faults of an input raise `trellis.Error`, with the message that the program prints. Calls release the interpreter lock,
-and Ctrl-C stops a run. pandas is needed for frames only, and numpy for nothing.
-"""
-from ._recorder import Measurement, Recorder, measure
-from ._scripts import Result, load, problem, problems, run, script, strategy
-from ._trellis import Error, Problem, Script, Strategy, commit, version
+    from trellis import figures                # figures and tables for papers
+    figures.save("results.json", "figures")
 
-__version__ = version()
+Faults of an input raise `trellis.Error`, with the message that the program prints. Calls release the interpreter lock,
+and Ctrl-C stops a run. pandas is needed for frames and tables only, matplotlib and numpy for figures only. The compiled
+module is loaded when a name of it is first used, so `trellis.figures` works without it.
+"""
+from typing import TYPE_CHECKING, Any, List
+
+if TYPE_CHECKING:
+    from . import figures
+    from ._recorder import Measurement, Recorder, measure
+    from ._scripts import Result, load, problem, problems, run, script, strategy
+    from ._trellis import Error, Problem, Script, Strategy, commit, version
+
+    __version__: str
 
 __all__ = [
     "Error",
@@ -37,3 +45,22 @@ __all__ = [
     "strategy",
     "version",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Loads what a name needs: `figures`, which needs no compiled module, or all others."""
+    import importlib
+
+    if name == "figures":
+        return importlib.import_module(".figures", __name__)
+    if name not in __all__ and name != "__version__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    for part in ("_trellis", "_recorder", "_scripts"):
+        module = importlib.import_module("." + part, __name__)
+        globals().update({each: getattr(module, each) for each in __all__ if hasattr(module, each)})
+    globals()["__version__"] = globals()["version"]()
+    return globals()[name]
+
+
+def __dir__() -> List[str]:
+    return sorted({*globals(), *__all__, "__version__", "figures"})
