@@ -27,7 +27,9 @@ def _metadata():
         f"Metadata-Version: 2.1\nName: trellis\nVersion: {_version()}\n"
         "Summary: Guiding spaces for motion planning: run Trellis scripts, and score the samples of any planner\n"
         "License: GPL-3.0-or-later AND MIT-0\nRequires-Python: >=3.8\nProvides-Extra: frames\n"
-        "Requires-Dist: pandas; extra == 'frames'\n"
+        "Requires-Dist: pandas; extra == 'frames'\nProvides-Extra: figures\n"
+        "Requires-Dist: matplotlib; extra == 'figures'\nRequires-Dist: numpy; extra == 'figures'\n"
+        "Requires-Dist: pandas; extra == 'figures'\n"
     )
 
 
@@ -65,7 +67,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     folder = _built()
     name = f"trellis-{_version()}"
     wheel = f"{name}-{_tag()}.whl"
-    files = [(f"trellis/{path.name}", path.read_bytes()) for path in sorted(folder.iterdir()) if path.is_file()]
+    sources = [path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts]
+    files = [(f"trellis/{path.relative_to(folder).as_posix()}", path.read_bytes()) for path in sources]
     converter = folder.parent.parent / "trellis-mesh"  # of COLLADA; not built without assimp
     if converter.exists():
         files.append((f"trellis/{converter.name}", converter.read_bytes()))

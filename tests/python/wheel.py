@@ -31,8 +31,11 @@ def main():
         install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", folder, source]
         subprocess.run(install, check=True, env=environment, cwd=place)
         found = sorted(path.name for path in (pathlib.Path(folder) / "trellis").glob("*"))
-        for name in ("__init__.py", "_trellis.pyi", "py.typed"):
+        for name in ("__init__.py", "_trellis.pyi", "py.typed", "figures"):
             assert name in found, found
+        sources = sorted(path.name for path in (pathlib.Path(source) / "python/trellis/figures").glob("*.py"))
+        installed = sorted(path.name for path in (pathlib.Path(folder) / "trellis/figures").glob("*.py"))
+        assert installed == sources, installed
         if os.access(os.path.join(build, "trellis-mesh"), os.X_OK):
             # What converts COLLADA is beside the library that looks for it.
             assert os.access(os.path.join(folder, "trellis", "trellis-mesh"), os.X_OK), found
