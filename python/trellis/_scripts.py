@@ -13,6 +13,8 @@ from ._trellis import Error, Problem, Script, Strategy
 if TYPE_CHECKING:
     import pandas
 
+    from .figures import Figures
+
 _MOST_JOBS = 1024
 
 
@@ -149,6 +151,16 @@ class Result:
         Raises ImportError without pandas.
         """
         return _frame([_flat(entry) for entry in self.document["summary"]])
+
+    @property
+    def figures(self) -> "Figures":
+        """The figures and tables of the document: `result.figures.costs()`, `result.figures.save("figures")`.
+
+        Raises ImportError without matplotlib.
+        """
+        from .figures import Figures
+
+        return Figures(self.document)
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """Writes the document to a file, which `trellis report` and `verify` read.

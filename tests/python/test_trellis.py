@@ -19,6 +19,7 @@ import trellis
 PROGRAM = os.environ["TRELLIS"]
 HAS_NUMPY = importlib.util.find_spec("numpy") is not None
 HAS_PANDAS = importlib.util.find_spec("pandas") is not None
+HAS_MATPLOTLIB = importlib.util.find_spec("matplotlib") is not None
 
 GAPS = """
 return experiment {
@@ -138,6 +139,17 @@ class Scripts(Folder):
         self.assertEqual(sorted(levels[levels.strategy == "guided"].level.unique()), [0, 1])
         self.assertIn("measure.root.tree.self.SE", levels.columns)
         self.assertEqual(len(result.summary), 2)
+
+    @unittest.skipUnless(HAS_MATPLOTLIB and HAS_PANDAS, "matplotlib or pandas is not installed")
+    def test_figures(self):
+        from trellis import figures
+
+        result = trellis.run(trellis.script(GAPS), "trap", measure=False)
+        self.assertEqual(result.figures.costs().get_title(loc="left"), "trap")
+        self.assertEqual(figures.read(result).strategies, ["rrt", "guided"])
+        written = result.figures.save(self.folder / "figures", formats=["svg"], texts=[])
+        self.assertIn(self.folder / "figures" / "ratios.svg", written)
+        self.assertEqual(result.figures.tables()["costs"]["solved"].tolist(), [3, 3])
 
     def test_warnings_of_a_script(self):
         text = GAPS.replace("seeds      = 3", "seeds = 1, shortcut = 0").replace("skeleton()", "0.5 * skeleton()")

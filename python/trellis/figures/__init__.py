@@ -29,6 +29,7 @@ try:
 except ImportError as _missing:
     raise ImportError("figures need matplotlib (Debian: python3-matplotlib)") from _missing
 
+from ._bound import Figures
 from ._costs import costs, levels, ratios, success
 from ._document import Error, Interval, Results, read
 from ._measure import correlation, scales, waterfall
@@ -37,6 +38,7 @@ from ._tables import tables
 
 __all__ = [
     "Error",
+    "Figures",
     "Interval",
     "Results",
     "correlation",
