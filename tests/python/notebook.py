@@ -87,7 +87,7 @@ def main():
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        for path in [path for path in paths if "import matplotlib" in path.read_text(encoding="utf-8")]:
+        for path in [path for path in paths if re.search("import (matplotlib|figures)", path.read_text(encoding="utf-8"))]:
             print(f"skipped: {path.name}; python3-matplotlib is needed")
             paths.remove(path)
     return 1 if sum(run(path, update) for path in paths) else 0
