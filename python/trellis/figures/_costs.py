@@ -168,10 +168,12 @@ def costs(document: Document, *, problem: Problem = None, strategies: Strategies
             axes = _style.place("costs", width, height, count, columns, margins)
         for i, one in enumerate(axes):
             _costs_panel(one, panels[i], results, axis, labels, not own or i % columns == 0, (first, second))
-            one.set_title(title(results, problems[i]))
+            heads = i < columns or not own
+            free = _style.size_of(one)[0] + (first - _style.width_of(["median"], SMALL) - 1.5 if heads else first)
+            one.set_title(_style.cut(title(results, problems[i]), free))
             if own and i + columns < count:
                 one.set_xticklabels([])
-            if i < columns or not own:
+            if heads:
                 _style.above(one, 1, "median", first, ha="right")
                 if not alike:
                     _style.above(one, 1, "solved", second, ha="right")
@@ -243,7 +245,7 @@ def success(document: Document, *, problem: Problem = None, strategies: Strategi
             _success_panel(one, results, problems[i], names, cost)
             one.set_yticklabels(["0", "50 %", "100 %"] if not own or i % columns == 0 else [])
             if own and count > 1:
-                one.set_title(title(results, problems[i]), pad=4.5)
+                one.set_title(_style.cut(title(results, problems[i]), _style.size_of(one)[0] + 3), pad=4.5)
             elif not own:
                 _style.inner_key(one, entries, True)
         _style.below(axes, f"share of runs solved by this number of {_SHORT[cost]}", own, margins)
@@ -389,7 +391,7 @@ def ratios(document: Document, *, problem: Problem = None, strategies: Strategie
                 _style.key(axes[0].figure, entries, 2, width - 4, False)
         elif several:
             for one in axes:
-                _style.inner_key(one, entries, False)
+                _style.inner_key(one, entries, False, 3.4)
         every = [row for group in _ratio_rows(results, problems, names) for row in group]
         for one, half, its in zip(axes, halves, labels):
             _ratios_panel(one, results, half, names, its, every)
@@ -501,14 +503,22 @@ def levels(document: Document, *, problem: Problem = None, strategies: Strategie
     said = count == 1
     number_column = 1.8 + _style.width_of([_without(one) for one in every], SMALL)
     words = 2 + _style.width_of([verdict_text(one) for one in every], SMALL) if said else 0.0
+    right = number_column + words + 0.8
+
+    def labelled(most: float) -> Tuple[List[str], float]:
+        labels = [_style.cut(f"{'' if single else place[0] + ' '}without {_style.short_guide(place[2])}", most)
+                  for place in places]
+        return labels, _style.width_of(labels) + 3
+
     with _style.styled():
         axes = _style.given(ax, count, "levels")
         own = axes is None
-        labels = [_style.cut(f"{'' if single else place[0] + ' '}without {_style.short_guide(place[2])}",
-                              0.5 * COLUMN if count == 1 else 0.3 * PAGE)
-                  for place in places]
-        margins = Margins(left=_style.width_of(labels) + 3, right=number_column + words + 0.8,
-                          top=4.2 if count == 1 else 5.6, bottom=8.4, wide=number_column + 3, high=7.5)
+        labels, left = labelled(0.42 * COLUMN if count == 1 else 0.3 * PAGE)
+        if own and width - left - right < 26 and count == 1:  # no room for intervals in a column
+            width = PAGE
+            labels, left = labelled(0.3 * PAGE)
+        margins = Margins(left=left, right=right, top=4.2 if count == 1 else 5.6, bottom=8.4, wide=number_column + 3,
+                          high=7.5)
         if axes is None:
             rows = math.ceil(count / columns)
             spare = _style.HIGHEST - margins.top - margins.bottom - margins.high * (rows - 1)
@@ -520,7 +530,8 @@ def levels(document: Document, *, problem: Problem = None, strategies: Strategie
             _levels_panel(one, found[i], places, results, labels, not own or i % columns == 0, forest, number_column,
                           said)
             if count > 1:
-                one.set_title(title(results, problems[i]))
+                free = _style.size_of(one)[0] - _style.width_of(["keep →"], SMALL) - 1.5
+                one.set_title(_style.cut(title(results, problems[i]), free))
                 _style.above(one, 1, "keep →", ha="right")
             else:
                 lo, hi = one.get_xlim()

@@ -137,7 +137,7 @@ def waterfall(document: Document, *, problem: Optional[str] = None, strategies: 
             _waterfall_panel(one, panel, its, lo, hi)
             one.set_title(f"{panel.strategy}: {panel.role}")
             if not own or not any(other.role == panel.role for other in panels[panels.index(panel) + 1:]):
-                one.set_xlabel("nats above uniform")
+                one.set_xlabel("nats above uniform", fontsize=_style.SIZE, color=INK)
             _style.above(one, 1, "adds", 2.2, ha="left")
     return _style.returned(axes)
 
@@ -291,7 +291,7 @@ def correlation(document: Document, *, proposals: bool = False, ax: Any = None) 
             pad = 0.07 * max(max(nats) - min(nats), 0.1)
             _style.linear_axis(one, min(nats) - pad, max(nats) + pad)
             one.set_title(f"{PREDICTORS[k]}: ρ = {rho_text(found.rho[k].rho)}")
-        axes[0].set_ylabel(f"checks ÷ those of {_style.cut(results.baseline, 20)}")
+        axes[0].set_ylabel(f"checks ÷ those of {_style.cut(results.baseline, 20)}", fontsize=_style.SIZE, color=INK)
         role = "proposals" if proposals else "nodes"
         _style.below(axes, f"nats above uniform of the root's {role}", own, margins)
     return _style.returned(axes)
@@ -357,8 +357,9 @@ def scales(document: Document, *, option: Optional[str] = None, problem: Problem
         elif keyed:
             _style.inner_key(axes[0], entries, False)
         _scales_panel(axes[0], results, lines)
-        axes[0].set_xlabel(name)
-        axes[0].set_ylabel(f"checks ÷ those of {_style.cut(results.baseline, 20)}" if results.baseline else "checks")
+        axes[0].set_xlabel(name, fontsize=_style.SIZE, color=INK)
+        beside = f"checks ÷ those of {_style.cut(results.baseline, 20)}" if results.baseline else "checks"
+        axes[0].set_ylabel(beside, fontsize=_style.SIZE, color=INK)
     return axes[0]
 
 

@@ -16,6 +16,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.textpath import TextToPath
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullFormatter, NullLocator
+from matplotlib.transforms import offset_copy
 
 from ._document import Error, Results
 
@@ -301,7 +302,7 @@ def below(axes: Sequence[Any], label: str, own: bool, margins: Optional[Margins]
     """The label of the x axis: of single axes and of the caller's own, else one for all panels."""
     if not own or len(axes) == 1 or margins is None:
         for ax in axes:
-            ax.set_xlabel(label)
+            ax.set_xlabel(label, fontsize=SIZE, color=INK)
         return
     figure = axes[0].figure
     width, height = figure.get_figwidth() / MM, figure.get_figheight() / MM
@@ -326,19 +327,22 @@ def _fits(values: Sequence[float], lo: float, hi: float, width: float, label: An
 
 
 def log_ticks(lo: float, hi: float, width: float, label: Any = short, most: int = 7) -> List[float]:
-    """The finest of the rows 1-1.5-2-3-5-7, 1-2-5, 1-3 and decades whose labels fit side by side, at least three.
+    """The finest of the rows 1-1.5-2-3-5-7, 1-2-5, 1-3 and decades whose labels fit side by side: at least three, but
+    for an axis that is too narrow for them.
 
     width: of the axis, mm.
     """
     rows = [_log_candidates(lo, hi, marks) for marks in _TICKS]
-    for finer, row in zip([rows[0]] + rows, rows):
-        if len(row) <= most and _fits(row, lo, hi, width, label):
-            return row if len(row) >= 3 else finer
-    decades = rows[-1]
-    step = 2
-    while len(decades[::step]) > 3 and not _fits(decades[::step], lo, hi, width, label):
-        step += 1
-    return decades[::step]
+    for row in rows:
+        if 3 <= len(row) <= most and _fits(row, lo, hi, width, label):
+            return row
+    # Too wide for all decades, or too narrow for three of a row: each second of them, each third, ...
+    for row in reversed(rows):
+        for step in range(2, len(row) // 2 + 1):
+            some = row[(len(row) - 1) % step // 2 :: step]
+            if 3 <= len(some) <= most and _fits(some, lo, hi, width, label):
+                return some
+    return next((row for row in reversed(rows) if len(row) >= 2 and _fits(row, lo, hi, width, label)), rows[-1][:1])
 
 
 def log_axis(ax: Any, lo: float, hi: float, label: Any = short, extra: Optional[Tuple[float, str]] = None) -> None:
@@ -450,8 +454,8 @@ def key(figure: Any, entries: Sequence[Entry], left: float, width: float, lines:
             figure.text((left + x + sign) / wide, y - _CAPITAL * SIZE / 2 / POINT / high, entry.name, ha="left")
 
 
-def inner_key(ax: Any, entries: Sequence[Entry], lines: bool) -> None:
-    """The same in the caller's axes, above them."""
+def inner_key(ax: Any, entries: Sequence[Entry], lines: bool, up: float = 0.7) -> None:
+    """The same in the caller's axes, so many millimetres above them."""
     handles = [
         Line2D(
             [],
@@ -469,7 +473,8 @@ def inner_key(ax: Any, entries: Sequence[Entry], lines: bool) -> None:
     ax.legend(
         handles=handles,
         loc="lower left",
-        bbox_to_anchor=(0, 1.02),
+        bbox_to_anchor=(0, 1),
+        bbox_transform=offset_copy(ax.transAxes, ax.figure, 0, up * MM),
         ncol=min(4, len(handles)),
         frameon=False,
         fontsize=SIZE,
