@@ -74,7 +74,7 @@ DRAWN = {
     "many": ["costs", "success", "ratios", "levels", "waterfall", "correlation"],
     "options": ["costs", "success", "ratios", "levels", "scales"],
     "alone": ["costs", "success"],
-    "ablate": ["costs", "success", "ratios"],
+    "ablate": ["costs", "success", "ratios", "levels"],
 }
 
 
