@@ -22,6 +22,7 @@
 using namespace trellis;
 using Catch::Matchers::WithinAbs;
 using test::drawn;
+using test::six_arm;
 
 namespace {
 
@@ -159,7 +160,7 @@ TEST_CASE("no ball moves farther than the bound of a robot whose base moves", "[
 TEST_CASE("certified motions of robots whose bases move are free throughout", "[collision][certificate]") {
   Stream stream(3, "bases", "certificates");
   int certified = 0, refuted = 0;
-  for (const SphereModel& model : {hand(), mixed_team()}) {
+  for (const SphereModel& model : {hand(), mixed_team(), six_arm("arm", true)}) {
     const auto scene = std::make_shared<ManipulatorScene>(world_of_solids(stream, 5), model);
     const Space space = scene->own_space();
     const auto checker = make_checker("spheres", scene, space, 0.05);
@@ -189,6 +190,40 @@ TEST_CASE("certified motions of robots whose bases move are free throughout", "[
   }
   CHECK(certified > 20);
   CHECK(refuted > 20);
+}
+
+TEST_CASE("kernels and single configurations agree about robots whose bases move", "[collision][robot]") {
+  Stream stream(7, "bases", "kernels");
+  int valid = 0, contacts = 0;
+  for (const SphereModel& model : {hand(), mixed_team(), six_arm("arm", true)}) {
+    const auto scene = std::make_shared<ManipulatorScene>(world_of_solids(stream, 5), model);
+    const Space space = scene->own_space();
+    const auto checker = make_checker("spheres", scene, space, 0.05);
+    Configuration a(space.dimension()), b(space.dimension()), q(space.dimension());
+    for (int i = 0; i < 300; ++i) {
+      space.sample_uniform(stream, a);
+      space.sample_uniform(stream, b);
+      // Distances are computed ball by ball.
+      REQUIRE(checker->valid(a) == (checker->clearance(a) > 0.0));
+      REQUIRE(checker->valid(a) == !checker->contact(a));
+      if (!checker->valid(a)) continue;
+      const MotionReport report = checker->motion(a, b);
+      std::uint32_t checks = 0;
+      bool free = true;
+      const std::uint32_t n = checker->most_checks(a, b);
+      for (const std::uint32_t k : bisection_order(n)) {
+        space.interpolate(a, b, static_cast<double>(k) / n, q);
+        ++checks;
+        free = checker->clearance(q) > 0.0;
+        if (!free) break;
+      }
+      REQUIRE(report.valid == free);
+      REQUIRE(report.checks == checks);
+      (report.valid ? valid : contacts) += 1;
+    }
+  }
+  CHECK(valid > 20);
+  CHECK(contacts > 20);
 }
 
 TEST_CASE("a robot of the plane stands in space where it is in the plane", "[scene][robot]") {

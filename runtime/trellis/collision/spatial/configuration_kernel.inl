@@ -21,7 +21,7 @@ class OneChain {
            const ChainMemory& memory)
       : bodies_(bodies), scene_(scene), memory_(memory) {
     // The base stays where it is.
-    for (unsigned b = 1; b < count; ++b) memory.placed[b] = 0;
+    for (unsigned b = 1; b < count; ++b) memory.placed[b] = bodies[b].given ? moved : 0;
     for (unsigned first = 0; first < count; first += lanes) {
       Lanes* own = memory.angles + 3UL * (first / lanes);
       for (unsigned k = 0; k < lanes; ++k) {

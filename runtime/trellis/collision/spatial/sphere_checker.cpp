@@ -103,7 +103,7 @@ class SpherePhase final : public NarrowPhase {
     }
     for (std::uint32_t lane = 0; lane < kernel::lanes; ++lane) {
       space_.interpolate(a_, b_, order.share(rank + lane), q_);
-      for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
+      set_lane(lane);
     }
     const unsigned asked = first_lanes(n_ - rank);
     return {std::min(n_ - rank, kernel::lanes), met(asked) & asked};
@@ -126,7 +126,8 @@ class SpherePhase final : public NarrowPhase {
 
   Distances on(View a, View b, double longest) override {
     clearances_.emplace(*this, a, b);
-    return {*clearances_, clearances_->displacement(), batched_ ? clearances_->first_of(longest) : longest};
+    return {*clearances_, clearances_->displacement(),
+            clearances_->batched() ? clearances_->first_of(longest) : longest};
   }
 
   [[nodiscard]] bool touches(View q) const override {
@@ -242,8 +243,27 @@ class SpherePhase final : public NarrowPhase {
     end_decides_.note(rank == 0);
     if (rank > 0) second_decides_.note(rank == 1);
   }
+  /// The frame at q of a body whose joint carries a whole robot.
+  [[nodiscard]] BodyFrame root_frame(std::size_t body, View q) const {
+    const BodyFrame base{matrix_of(base_.orientation), base_.position};
+    const Pose3 pose = robot_.joint_pose(body, q);
+    return {times(base.r, matrix_of(pose.orientation)), base(pose.position)};
+  }
+  /// Passes the configuration in `q_` to the kernels of eight.
+  void set_lane(std::size_t lane) const {
+    for (std::size_t j = 0; j < robot_.dimension(); ++j) values_[j].v[lane] = q_[j];
+    for (const std::size_t body : shared_->roots()) {
+      const BodyFrame frame = root_frame(body, q_);
+      kernel::Lanes* to = &frames3_[12 * body];
+      for (std::size_t k = 0; k < 9; ++k) to[k].v[lane] = frame.r[k];
+      to[9].v[lane] = frame.p.x;
+      to[10].v[lane] = frame.p.y;
+      to[11].v[lane] = frame.p.z;
+    }
+  }
   /// What the kernels say of one configuration.
   [[nodiscard]] bool meets(View q) const {
+    for (const std::size_t body : shared_->roots()) one_->set(body, root_frame(body, q));
     return kernel_.touches(chain().data(), static_cast<unsigned>(chain().size()), q.data(), shared_->kernel_scene(),
                            one_->get());
   }
@@ -472,7 +492,8 @@ class SpherePhase final : public NarrowPhase {
         whole_[body] = checker.shared_->longest_path(body, change_);
         displacement_ = std::max(displacement_, whole_[body]);
       }
-      if (!checker.batched_) return;
+      batched_ = checker.batched_ && add_roots();
+      if (!batched_) return;
       bend_.assign(whole_.size(), 0.0);
       for (const std::size_t body : checker.solid_) {
         bend_[body] = checker.shared_->bend(body, checker.shared_->levers()[body].size(), change_);
@@ -489,6 +510,7 @@ class SpherePhase final : public NarrowPhase {
       part_pair_bend_.resize(pair_bend_.size());
     }
     [[nodiscard]] double displacement() const { return displacement_; }
+    [[nodiscard]] bool batched() const { return batched_; }
     /// The length of the first intervals, so that whole calls of the kernels decide them. The displacement is bounded
     /// as if all joints turned the robot in one direction, at its full length; the kernels bound it more closely.
     [[nodiscard]] double first_of(double longest) const {
@@ -499,7 +521,7 @@ class SpherePhase final : public NarrowPhase {
     }
 
     [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
-      if (!checker_.batched_) {
+      if (!batched_) {
         unsigned found = 0;
         for (std::size_t i = 0; i < shares.size(); ++i) {
           place(shares[i], half);
@@ -517,10 +539,10 @@ class SpherePhase final : public NarrowPhase {
       return ~near & ((1U << shares.size()) - 1U);
     }
     [[nodiscard]] std::optional<double> measured_from() const override {
-      return checker_.batched_ ? std::optional(measured_from_share) : std::nullopt;
+      return batched_ ? std::optional(measured_from_share) : std::nullopt;
     }
     [[nodiscard]] Near near(double share, double half, double at_most) override {
-      if (checker_.batched_) return near_of_batch(share, half, at_most);
+      if (batched_) return near_of_batch(share, half, at_most);
       place(share, half);
       for (const std::size_t b : checker_.solid_) checker_.place_balls(b);
       double sure = 0.0;
@@ -535,6 +557,26 @@ class SpherePhase final : public NarrowPhase {
     /// Distances at eight configurations cost twice as much as what `apart` says of them.
     static constexpr double measured_from_share = 2.0;
 
+    /// Computes how the joints that carry whole robots turn and slide on the whole motion, in the world.
+    /// \return whether they turn by less than a half turn: of that, rounding decides the direction
+    bool add_roots() {
+      for (const std::size_t body : checker_.shared_->roots()) {
+        const Manipulator::Body& root = checker_.robot_.bodies()[body];
+        const Quaternion frame = (checker_.base_ * root.origin).orientation;
+        const Pose3 back = root.origin.inverse();
+        const Pose3 from = back * checker_.robot_.joint_pose(body, a_);
+        const Pose3 to = back * checker_.robot_.joint_pose(body, b_);
+        Vec3 turn;
+        if (root.kind == Joint::Kind::planar) turn = change_[root.column + 2] * root.axis;
+        if (root.kind == Joint::Kind::floating) {
+          turn = rotation_vector(to.orientation * from.orientation.inverse());
+          constexpr double half_turn = 3.141;
+          if (norm(turn) > half_turn) return false;
+        }
+        roots_.emplace_back(frame(turn), frame(to.position - from.position));
+      }
+      return true;
+    }
     /// Places the robot at eight configurations, and bounds how it moves to either side of each.
     kernel::ChainMotion move(std::span<const double> shares, double half) {
       shares_.fill(std::numeric_limits<double>::quiet_NaN());
@@ -543,7 +585,15 @@ class SpherePhase final : public NarrowPhase {
       measured_ = false;
       for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
         checker_.space_.interpolate(a_, b_, shares[std::min(lane, shares.size() - 1)], checker_.q_);
-        for (std::size_t j = 0; j < checker_.values_.size(); ++j) checker_.values_[j].v[lane] = checker_.q_[j];
+        checker_.set_lane(lane);
+      }
+      for (std::size_t r = 0; r < roots_.size(); ++r) {
+        const auto& [turn, slide] = roots_[r];
+        const std::array<double, 6> rates = {turn.x, turn.y, turn.z, slide.x, slide.y, slide.z};
+        kernel::Lanes* to = &checker_.rates_[6 * checker_.shared_->roots()[r]];
+        for (std::size_t k = 0; k < rates.size(); ++k) {
+          for (double& value : to[k].v) value = half * rates[k];
+        }
       }
       for (std::size_t j = 0; j < change_.size(); ++j) part_change_[j] = half * change_[j];
       for (std::size_t b = 0; b < bend_.size(); ++b) part_bend_[b] = half * half * bend_[b];
@@ -597,7 +647,9 @@ class SpherePhase final : public NarrowPhase {
     std::vector<double> moved_;
     Configuration change_;  ///< of the coordinates on the whole motion
     double displacement_ = 0.0;
+    bool batched_ = false;  ///< whether the kernels decide
     // For the kernels.
+    std::vector<std::pair<Vec3, Vec3>> roots_;  ///< of each of SphereScene::roots: how it turns and slides
     std::vector<double> bend_;  ///< of each body on the whole motion to either side; grows as the motion's square
     std::vector<double> pair_bend_;
     std::vector<double> part_change_, part_bend_, part_pair_bend_;  ///< of the part of the last call

@@ -23,6 +23,8 @@ struct alignas(32) JointRows {
 struct ChainBody {
   unsigned parent = 0;  ///< of lower number; the first body is the base
   bool slides = false;  ///< along `axis`; otherwise it turns
+  /// Its joint carries a whole robot: the caller computes its frame, and its rates, before it calls a kernel.
+  bool given = false;
   unsigned column = 0;  ///< of its joint's coordinate
   double multiplier = 1.0, offset = 0.0;
   double origin[9] = {};        // NOLINT(modernize-avoid-c-arrays): as in Lanes

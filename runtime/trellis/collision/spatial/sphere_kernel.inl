@@ -35,6 +35,7 @@ inline V3 at(const Lanes* frame, double x, double y, double z) {
 void move_chain(const ChainBody* bodies, unsigned count, const Lanes* values, Lanes* frames) {
   for (unsigned b = 1; b < count; ++b) {
     const ChainBody& body = bodies[b];
+    if (body.given) continue;
     const Lanes* parent = frames + 12UL * body.parent;
     Lanes* frame = frames + 12UL * b;
     const V value = spread(body.multiplier) * load(values[body.column].v) + spread(body.offset);
@@ -341,6 +342,7 @@ void rate_chain(const ChainBody* bodies, unsigned count, const Lanes* frames, co
   for (unsigned k = 0; k < 6; ++k) store(rates[k].v, spread(0.0));
   for (unsigned b = 1; b < count; ++b) {
     const ChainBody& body = bodies[b];
+    if (body.given) continue;
     const Lanes* parent = frames + 12UL * body.parent;
     const Lanes* carrier = rates + 6UL * body.parent;
     V3 turn = load(carrier);

@@ -311,8 +311,10 @@ double SphereScene::bend(std::size_t body, std::size_t joints, View change) cons
   for (std::size_t k = joints; k-- > 0;) {
     const Lever& lever = levers_[body][k];
     const Manipulator::Body& joint = model_.robot().bodies()[lever.joint];
-    const double by = std::abs(joint.multiplier * change[joint.column]);
-    if (joint.kind == Joint::Kind::prismatic) {
+    const std::size_t turn = joint.kind == Joint::Kind::floating ? 3 : joint.kind == Joint::Kind::planar ? 2 : 0;
+    const double by = std::abs(joint.multiplier * change[joint.column + turn]);
+    if (joint.slides()) {
+      // The base carries the joints of whole robots, so `turned` is 0 for their translations.
       sum += by * turned;
     } else {
       sum += by * lever.length * (0.5 * by + turned);
@@ -324,8 +326,7 @@ double SphereScene::bend(std::size_t body, std::size_t joints, View change) cons
 
 void SphereScene::make_batches(const World3& world, double slack) {
   const auto& bodies = model_.robot().bodies();
-  batched_ = !obstacles_->meshes &&
-             std::none_of(bodies.begin(), bodies.end(), [](const Manipulator::Body& body) { return body.is_root(); });
+  batched_ = !obstacles_->meshes;
   if (!batched_) return;
   balls_ = balls_of(model_.bodies(), model_.parts());
   unsigned centres = 0;
@@ -335,6 +336,8 @@ void SphereScene::make_batches(const World3& world, double slack) {
     kernel::ChainBody& made = chain_.emplace_back();
     made.parent = static_cast<unsigned>(body.parent);
     made.slides = body.kind == Joint::Kind::prismatic;
+    made.given = body.is_root();
+    if (made.given) roots_.push_back(b);
     made.column = static_cast<unsigned>(body.column);
     made.multiplier = body.multiplier;
     made.offset = body.offset;
@@ -462,6 +465,7 @@ void SphereScene::list_reached(double slack) {
     for (const BodySphere& ball : balls) reach = std::max(reach, norm(ball.centre) + ball.radius);
     std::size_t first = 0;
     for (std::size_t at = b; at != 0; first = at, at = model_.robot().bodies()[at].parent) {
+      if (model_.robot().bodies()[at].is_root()) reach = std::numeric_limits<double>::infinity();
       if (first != 0) reach += norm(model_.robot().bodies()[first].origin.position);
       reach += model_.robot().extension(at);
     }
@@ -476,18 +480,23 @@ void SphereScene::list_reached(double slack) {
   }
 }
 
+void ConfigurationMemory::set(std::size_t body, const BodyFrame& frame) {
+  Rows& rows = frames_[body];
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) rows.of[4 * i + j] = frame.r[3 * i + j];
+  }
+  rows.of[3] = frame.p.x;
+  rows.of[7] = frame.p.y;
+  rows.of[11] = frame.p.z;
+}
+
 ConfigurationMemory::ConfigurationMemory(const SphereScene& scene, const BodyFrame& base)
     : angles_(3 * ((scene.chain().size() + kernel::lanes - 1) / kernel::lanes)),
       frames_(scene.chain().size()),
       placed_(scene.chain().size()),
       centres_(3 * scene.block_count()) {
   placed_[0] = 1;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) frames_[0].of[4 * i + j] = base.r[3 * i + j];
-  }
-  frames_[0].of[3] = base.p.x;
-  frames_[0].of[7] = base.p.y;
-  frames_[0].of[11] = base.p.z;
+  set(0, base);
   // Contact is likelier far from the base.
   for (std::size_t b = scene.chain().size(); b-- > 1;) {
     if (scene.chain()[b].ball_count > 0) order_.push_back(static_cast<unsigned>(b));

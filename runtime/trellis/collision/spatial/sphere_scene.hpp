@@ -144,7 +144,9 @@ class SphereScene {
   /// For each pair so many joints of either body, which the other one does not have.
   [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& unshared() const { return unshared_; }
 
-  /// Whether the kernels decide: without meshes, and for a base that does not move.
+  /// The bodies whose joints carry whole robots; the base carries them.
+  [[nodiscard]] const std::vector<std::size_t>& roots() const { return roots_; }
+  /// Whether the kernels decide: without meshes.
   [[nodiscard]] bool batched() const { return batched_; }
   // What the kernels read.
   [[nodiscard]] const std::vector<kernel::ChainBody>& chain() const { return chain_; }
@@ -168,6 +170,7 @@ class SphereScene {
   std::vector<JointTurn> turns_;
   std::vector<std::vector<Lever>> levers_;
   std::vector<std::pair<std::size_t, std::size_t>> unshared_;
+  std::vector<std::size_t> roots_;
   bool batched_ = false;
   std::shared_ptr<const KernelBalls> balls_;
   std::vector<kernel::ChainBody> chain_;
@@ -193,6 +196,8 @@ class ConfigurationMemory {
   ~ConfigurationMemory() = default;
 
   [[nodiscard]] kernel::ChainMemory& get() { return memory_; }
+  /// Sets the frame of a body whose joint carries a whole robot.
+  void set(std::size_t body, const BodyFrame& frame);
 
  private:
   /// A frame by rows, as kernel::JointRows.

@@ -78,9 +78,12 @@ const char* to_string(Joint::Kind kind) {
 
 std::size_t Joint::width() const { return mimic ? 0 : width_of(kind); }
 
-bool Joint::carries_robot() const {
+bool carries_robot(Joint::Kind kind) {
+  using Kind = Joint::Kind;
   return kind == Kind::planar || kind == Kind::floating || kind == Kind::translation_2 || kind == Kind::translation_3;
 }
+
+bool Joint::carries_robot() const { return trellis::carries_robot(kind); }
 
 bool Joint::limited() const { return kind == Kind::revolute || kind == Kind::prismatic; }
 

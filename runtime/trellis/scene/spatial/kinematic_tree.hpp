@@ -68,6 +68,9 @@ struct Joint {
 /// \param axis  of norm 1
 std::pair<Vec3, Vec3> across(const Vec3& axis);
 
+/// Whether joints of a kind carry a whole robot; see Joint::carries_robot.
+bool carries_robot(Joint::Kind kind);
+
 /// The name of a kind, in URDF where it has one: "revolute".
 const char* to_string(Joint::Kind kind);
 
@@ -135,7 +138,11 @@ class Manipulator {
   /// A part that moves as a whole: links between which no joint moves.
   struct Body {
     /// Whether its joint carries a whole robot; see Joint.
-    [[nodiscard]] bool is_root() const { return Joint{.kind = kind}.carries_robot(); }
+    [[nodiscard]] bool is_root() const { return trellis::carries_robot(kind); }
+    /// Whether its joint only slides it.
+    [[nodiscard]] bool slides() const {
+      return kind == Joint::Kind::prismatic || kind == Joint::Kind::translation_2 || kind == Joint::Kind::translation_3;
+    }
 
     std::string name;  ///< of its first link
     std::vector<std::size_t> links = {};
