@@ -26,16 +26,6 @@ stds.trellis = {
         "unicycle1", "unicycle2", "car", "car_with_trailer",
       },
     },
-    paper = {
-      fields = {
-        "scenes", "methods", "parasol", "published",
-      },
-    },
-    pays = {
-      fields = {
-        "groups", "missing", "strategies", "space", "catalogue", "experiment",
-      },
-    },
     scenes = {
       fields = {
         "load", "robot", "exists", "simple_passage", "trap", "cup",
@@ -43,9 +33,8 @@ stds.trellis = {
     },
     strategies = {
       fields = {
-        "rrt", "parasol_rrt", "lazy_prm", "parasol_lazy_prm", "regions", "dr_rrt", "parasol_dr_rrt",
-        "relaxation", "irc", "parasol_irc", "several", "vonasek", "rrt_connect", "nested", "hybrid", "blend",
-        "skeleton", "shrinking", "biases",
+        "rrt", "lazy_prm", "regions", "dr_rrt", "relaxation", "irc", "several", "vonasek", "rrt_connect",
+        "nested", "hybrid", "blend", "skeleton", "shrinking", "biases",
       },
     },
     worlds = {

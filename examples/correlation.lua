@@ -7,6 +7,8 @@
 -- docs/measure.md has the results. `bound = 0`: with a bound the nodes of the root include those of the planner that
 -- searches beside it without guides, and a bad guide costs little; the nats and the checks would be those of both.
 
+local pays = require "pays.experiment"
+
 local function tree() return rrt { step = 0.5, proposals = 20000, bound = 0 } end
 
 local strategies = { { "rrt", rrt { step = 0.5, proposals = 20000 } } }

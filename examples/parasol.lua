@@ -5,15 +5,14 @@
 --
 --   trellis run examples/parasol.lua --out DIR
 
-local methods = paper.parasol()
-for _, method in ipairs(methods) do method[1] = method[1]:gsub("^parasol_", "") end
+local attali = require "paper.attali"
 
 return experiment {
-  problems   = paper.scenes(),
-  strategies = methods,
+  problems   = attali.scenes(),
+  strategies = attali.presets(),
   seeds      = 15,
   measure    = tube { delta = 0.5, points = 2048, pool = 8192 },
   estimators = { exact(), knn() },
   baseline   = "rrt",
-  published  = paper.published(),
+  published  = attali.published(),
 }

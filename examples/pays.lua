@@ -6,6 +6,8 @@
 --
 -- scripts/pays does this with every world and strategy; docs/pays.md has the results.
 
+local pays = require "pays.experiment"
+
 return pays.experiment {
   only       = {"gaps"},
   strategies = {"skeleton >> rrt", "shrink >> rrt", "skeleton >> shrink >> rrt"},

@@ -2,9 +2,8 @@
 -- Named strategies
 --
 -- The methods that Attali et al. 2022 evaluate, with their published parameters (docs/methods.md has what was published
--- and what differs); under parasol_NAME the same as the library that the authors used is known to do them: no effective
--- goal bias, regions never dropped. Then strategies beyond the paper, and the guides of the methods alone, to be
--- composed with anything, at any level.
+-- and what differs). Then strategies beyond the paper, and the guides of the methods alone, to be composed with
+-- anything, at any level.
 --
 -- Each takes a table of what shall differ; those that close a strategy have the planner at the root as `planner`:
 --
@@ -43,15 +42,6 @@ local function define(name, what, make)
   }, make)
 end
 
--- A method of the paper, and the same under parasol_NAME with other defaults.
-local function method(name, what, parasol, make)
-  define(name, what, make)
-  define("parasol_" .. name, {
-    what[1] .. "; as the library of the paper's authors does it", source = what.source,
-    options = { what.options, parasol },
-  }, make)
-end
-
 -- The options of every method that ends in an RRT.
 local tree = { "rrt", step = 0.5, goal_bias = 0.05 }
 
@@ -79,21 +69,20 @@ end
 
 -- The methods of the paper ----------------------------------------------------------------------------------------
 
-method("rrt", {
+define("rrt", {
   "no guidance: the tree alone", source = "LaValle and Kuffner 2001, Randomized kinodynamic planning", options = tree,
-}, { "rrt", goal_bias = 0 }, function(o)
+}, function(o)
   return rrt { step = o.step, goal_bias = o.goal_bias }
 end)
 
--- By default the library checks each edge to its end and adds no nodes near removed edges.
-method("lazy_prm", {
+define("lazy_prm", {
   "a roadmap in the world without obstacles, repaired where its shortest path is blocked",
   source = "Bohlin and Kavraki 2000, Path planning using lazy PRM",
   options = {
     "lazy_prm", samples = 1000, batch = 200, neighbours = 20, remove = "first", edges = "coarse_to_fine", enhance = 1,
     spread = 0.25, proposals = 10000,
   },
-}, { "lazy_prm", edges = "in_turn", enhance = 0 }, function(o)
+}, function(o)
   return lazy_prm(o)
 end)
 
@@ -112,9 +101,9 @@ define("regions", {
 end)
 
 -- The share of uniform proposals is the whole world's among the regions.
-method("dr_rrt", {
+define("dr_rrt", {
   "dynamic regions along the skeleton of the workspace", source = denny, options = { regions, tree, grows },
-}, { { "skeleton", penetration = 1, alignment = -1, drop = 0 }, { "rrt", goal_bias = 0 } }, function(o)
+}, function(o)
   return strategies.regions(part(o, regions)) >> grown(o, 0)
 end)
 
@@ -151,10 +140,10 @@ define("relaxation", {
   return guide
 end)
 
-method("irc", {
+define("irc", {
   "ever larger robots, each guided by the path of the next smaller one", source = bayazit,
   options = { relaxation, tree },
-}, { "rrt", goal_bias = 0 }, function(o)
+}, function(o)
   return strategies.relaxation(part(o, relaxation)) >> grown(o, o.uniform)
 end)
 

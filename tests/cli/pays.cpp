@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// scripts/pays, trellis report --report costs and the modules worlds and pays: their output is complete.
+// scripts/pays, trellis report --report costs, the module worlds and examples/pays: their output is complete.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +21,13 @@ std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
+}
+
+/// A script that has the module of examples/pays beside it.
+void script_with_pays(const Place& place, const std::string& name, const std::string& text) {
+  fs::create_directories(place / "pays");
+  fs::copy_file(fs::path(TRELLIS_SOURCE) / "examples/pays/experiment.lua", place / "pays/experiment.lua");
+  place.script(name, "local pays = require 'pays.experiment'\n" + text);
 }
 
 /// scripts/pays with the built program; its exit status.
@@ -94,9 +101,9 @@ TEST_CASE("scripts/pays says what it does not know", "[pays]") {
 
 TEST_CASE("no strategy and no group disappears from pays.experiment", "[pays]") {
   const Place place;
-  place.script("groups.lua",
-               "for _, group in ipairs(pays.groups()) do print(group[1], #group[2], group.tuned) end\n"
-               "return pays.experiment { seeds = 1 }");
+  script_with_pays(place, "groups.lua",
+                   "for _, group in ipairs(pays.groups()) do print(group[1], #group[2], group.tuned) end\n"
+                   "return pays.experiment { seeds = 1 }");
   const auto outcome = place.run({"check", "groups.lua"});
   INFO(outcome.err);
   REQUIRE(outcome.status == 0);
@@ -117,7 +124,7 @@ TEST_CASE("no strategy and no group disappears from pays.experiment", "[pays]") 
 
 TEST_CASE("pays.experiment runs in space, with steps that suit the world", "[pays]") {
   const Place place;
-  place.script("space.lua", "return pays.experiment { space = true, only = {'slot'}, seeds = 1 }");
+  script_with_pays(place, "space.lua", "return pays.experiment { space = true, only = {'slot'}, seeds = 1 }");
   const auto outcome = place.run({"check", "space.lua"});
   INFO(outcome.err);
   REQUIRE(outcome.status == 0);
@@ -131,7 +138,7 @@ TEST_CASE("pays.experiment runs in space, with steps that suit the world", "[pay
 
 TEST_CASE("every guide of the catalogue that searches a space or samples is in pays.catalogue", "[pays]") {
   const Place place;
-  place.script("catalogue.lua", "return pays.experiment { catalogue = true, seeds = 1 }");
+  script_with_pays(place, "catalogue.lua", "return pays.experiment { catalogue = true, seeds = 1 }");
   const auto outcome = place.run({"check", "catalogue.lua"});
   INFO(outcome.err);
   REQUIRE(outcome.status == 0);

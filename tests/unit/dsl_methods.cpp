@@ -13,13 +13,9 @@ using test::values;
 
 TEST_CASE("the methods of the paper are written in the language from parts") {
   CHECK(value("strategies.rrt() == rrt { step = 0.5, goal_bias = 0.05 }") == "true");
-  CHECK(value("strategies.parasol_rrt() == rrt { goal_bias = 0 }") == "true");
   CHECK(value("strategies.dr_rrt() == skeleton { follow = 'regions', prune = false, emphasis = 1, region = 2, "
               "explore = 0.5, decay = 0.9, alignment = 0.1, drop = 1000, resolves = 0 } >> rrt { uniform = 0, bound = "
               "0 }") == "true");
-  CHECK(value("strategies.parasol_dr_rrt() == skeleton { follow = 'regions', prune = false, emphasis = 1, "
-              "penetration = 1, drop = 0, "
-              "resolves = 0 } >> rrt { uniform = 0, goal_bias = 0, bound = 0 }") == "true");
   CHECK(value("strategies.irc { scales = {0.25, 0.5} } == "
               "shrink { 0.5, follow = 'waypoints', keep_tree = true, evidence = 100, resolves = 10, "
               "planner = rrt { uniform = 0.5, bound = 0 } } "
@@ -28,8 +24,6 @@ TEST_CASE("the methods of the paper are written in the language from parts") {
   CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, "
               "paths = 2, inhibit = 'bottlenecks', planner = rrt { uniform = 0.1, bound = 0 } } >> rrt { uniform = "
               "0.5, bound = 0 }") == "true");
-  CHECK(value("strategies.parasol_lazy_prm { samples = 100, batch = 20, neighbours = 10, proposals = 50000 } == "
-              "lazy_prm { remove = 'first' }") == "true");
   CHECK(
       value("strategies.hybrid() == 0.5*strategies.regions() + 0.5*strategies.relaxation() >> rrt { uniform = 0.1 }") ==
       "true");
@@ -39,8 +33,8 @@ TEST_CASE("the methods of the paper are written in the language from parts") {
 }
 
 TEST_CASE("every method takes options, and most another planner") {
-  for (const std::string name : {"dr_rrt", "irc", "vonasek", "nested", "hybrid", "blend", "parasol_dr_rrt",
-                                 "parasol_irc", "skeleton", "shrinking", "biases"}) {
+  for (const std::string name :
+       {"dr_rrt", "irc", "vonasek", "nested", "hybrid", "blend", "skeleton", "shrinking", "biases"}) {
     CAPTURE(name);
     CHECK(value("tostring(strategies." + name +
                 " { planner = prm { batch = 5 } }):match('>> prm { batch = 5 }$') ~= nil") == "true");
@@ -74,11 +68,25 @@ TEST_CASE("the methods' guides serve at any level") {
         "true");
 }
 
-TEST_CASE("the paper's experiment lists every method under its name") {
-  CHECK(values("local names = {} for i, m in ipairs(paper.methods()) do names[i] = m[1] end "
-               "return table.concat(names, ' ')") ==
-        std::vector<std::string>{"rrt lazy_prm dr_rrt irc vonasek rrt_connect nested hybrid blend"});
-  CHECK(value("#paper.parasol()") == "4");
-  CHECK(value("#paper.scenes()") == "3");
-  CHECK(value("paper.methods { rrt = { step = 0.25 } }[1][2] == rrt { step = 0.25 }") == "true");
+TEST_CASE("the paper's experiment lists every method under its name, and the presets of the authors' library") {
+  // A script in the folder of the examples.
+  const auto of_paper = [](const std::string& expression) {
+    dsl::Session session(TRELLIS_SOURCE "/examples");
+    const auto all = session.evaluate("local attali = require 'paper.attali' return " + expression, "test.lua");
+    REQUIRE(all.size() == 1);
+    return all.front();
+  };
+  CHECK(of_paper("#attali.scenes()") == "3");
+  CHECK(of_paper("#attali.methods()") == "9");
+  CHECK(of_paper("attali.methods()[2][1]") == "lazy_prm");
+  CHECK(of_paper("attali.methods { rrt = { step = 0.25 } }[1][2] == rrt { step = 0.25 }") == "true");
+  CHECK(of_paper("select(2, pcall(attali.methods, { ircc = {} }))").find("there is no method 'ircc'") !=
+        std::string::npos);
+  CHECK(of_paper("#attali.presets()") == "4");
+  CHECK(of_paper("attali.presets()[4][2] == strategies.irc { goal_bias = 0 }") == "true");
+  CHECK(of_paper("attali.preset 'rrt' == rrt { goal_bias = 0 }") == "true");
+  CHECK(of_paper("attali.preset 'dr_rrt' == skeleton { follow = 'regions', prune = false, emphasis = 1, penetration = "
+                 "1, drop = 0, resolves = 0 } >> rrt { uniform = 0, goal_bias = 0, bound = 0 }") == "true");
+  CHECK(of_paper("attali.preset('lazy_prm', { samples = 100, batch = 20, neighbours = 10, proposals = 50000 }) == "
+                 "lazy_prm { remove = 'first' }") == "true");
 }

@@ -1,14 +1,26 @@
 -- SPDX-License-Identifier: MIT-0
 -- Does guidance pay? Its cost beside the best planner without a guide
 --
--- scripts/pays runs this experiment world by world; docs/pays.md has what comes out. A part of it is a script of two
--- lines:
+-- scripts/pays runs this experiment world by world; docs/pays.md has what comes out. A module for scripts in the folder
+-- above this one:
 --
+--   local pays = require "pays.experiment"
 --   return pays.experiment { only = {"gaps"}, strategies = {"skeleton >> rrt"}, seeds = 5 }
 
-local _, native = ...
-
 local pays = {}
+
+-- The options of a function, with their defaults; false: none.
+local function with_defaults(where, given, defaults)
+  for name in pairs(given or {}) do
+    if defaults[name] == nil then error(("%s: unknown field '%s'"):format(where, name), 0) end
+  end
+  local all = {}
+  for name, default in pairs(defaults) do
+    all[name] = default
+    if given and given[name] ~= nil then all[name] = given[name] end
+  end
+  return all
+end
 
 -- Worlds ----------------------------------------------------------------------------------------------------------
 
@@ -82,7 +94,7 @@ end
 -- The strategies were tuned on the groups with `tuned`; the other groups are held out.
 local function all_groups(catalogue, mazes, space)
   if space then return spatial_groups() end
-  local groups = { { "paper", paper.scenes(), tuned = true } }
+  local groups = { { "paper", { scenes.simple_passage(), scenes.trap(), scenes.cup() }, tuned = true } }
   if catalogue then
     groups[2] = {
       "misleading",
@@ -144,33 +156,18 @@ end
 local function require_found(where, names, found, known)
   for _, name in ipairs(names or {}) do
     if not found[name] then
-      native.fail(("%s: there is no '%s'; there are: %s"):format(where, name, table.concat(known, ", ")))
+      error(("%s: there is no '%s'; there are: %s"):format(where, name, table.concat(known, ", ")), 0)
     end
   end
 end
 
-local choice = {
-  {
-    name = "only", type = "string[]", expects = "a list of names", doc = "worlds and groups; all of them without it",
-  },
-  {
-    name = "catalogue", type = "boolean", default = false, expects = "true or false",
-    doc = "every guide of the catalogue over rrt, on the paper's scenes and on worlds that mislead",
-  },
-  {
-    name = "mazes", type = "trellis.Problem[]", expects = "a list of problems",
-    doc = "further worlds of the group mazes",
-  },
-  {
-    name = "space", type = "boolean", default = false, expects = "true or false",
-    doc = "worlds of space; their strategies take steps of a thirtieth of the largest world",
-  },
-}
-
-pays.groups = native.define({
-  "pays.groups", "the worlds, in groups as experiment's field 'groups' takes them", returns = "table[]",
-  usage = "pays.groups { only = {\"gaps\", \"maze_12\"} }", options = choice,
-}, function(o)
+-- The worlds, in groups as experiment's field 'groups' takes them: pays.groups { only = {"gaps", "maze_12"} }.
+--   only       names of worlds and groups; all of them without it
+--   catalogue  worlds for every guide of the catalogue: the paper's scenes, and worlds that mislead
+--   mazes      further worlds of the group mazes, a list of problems
+--   space      worlds of space; their strategies take steps of a thirtieth of the largest world
+function pays.groups(given)
+  local o = with_defaults("pays.groups", given, { only = false, catalogue = false, mazes = false, space = false })
   local groups, found, known = {}, {}, {}
   for _, group in ipairs(all_groups(o.catalogue, o.mazes, o.space)) do
     local name, whole, some = group[1], chosen(o.only, group[1], found), {}
@@ -183,11 +180,10 @@ pays.groups = native.define({
   end
   require_found("pays.groups: field 'only'", o.only, found, known)
   return groups
-end)
+end
 
-pays.missing = native.define({
-  "pays.missing", "the scene files of the group files that are not there", returns = "string[]",
-}, function()
+-- The scene files of the group files that are not there.
+function pays.missing()
   local missing = {}
   local function look(file) if not scenes.exists(file) then missing[#missing + 1] = file end end
   for _, family in ipairs(families) do
@@ -196,33 +192,25 @@ pays.missing = native.define({
   for _, name in ipairs(dynobench) do look(dynobench_file(name)) end
   for _, entry in ipairs(spatial_files) do look(entry[2]) end
   return missing
-end)
+end
 
 -- Strategies ------------------------------------------------------------------------------------------------------
 
-local budget = {
-  name = "budget", unit = "proposals", default = 400000, lo = 1, hi = 1e9,
-  doc = "proposals of the level at the root, after which a run fails",
-}
-
 local baseline = "rrt_connect"
 
-local step = {
-  name = "step", unit = "m in the metric", default = 0.5, lo = 1e-6, hi = 1e9, doc = "longest extension of a tree",
-}
-
-local function unguided(o)
+-- The planners that nothing guides.
+--   budget  proposals of the level at the root, after which a run fails
+--   step    longest extension of a tree, m in the metric
+local function unguided(where, given)
+  local o = with_defaults(where, given, { budget = 400000, step = 0.5 })
   local proposals = math.tointeger(o.budget) or math.floor(o.budget)
   return rrt_connect { step = o.step, proposals = proposals }, rrt { step = o.step, proposals = proposals },
     lazy_prm { proposals = proposals }
 end
 
-pays.strategies = native.define({
-  "pays.strategies", "hierarchies of guides, after the planners that nothing guides",
-  returns = "{ [1]: string, [2]: trellis.Strategy }[]", usage = "pays.strategies { budget = 20000 }",
-  options = { budget, step },
-}, function(o)
-  local connect, tree, roadmap = unguided(o)
+-- Hierarchies of guides, after the planners that nothing guides: pays.strategies { budget = 20000 }.
+function pays.strategies(given)
+  local connect, tree, roadmap = unguided("pays.strategies", given)
   return {
     { "rrt_connect", connect },
     { "rrt", tree },
@@ -240,15 +228,12 @@ pays.strategies = native.define({
     { "skeleton >> shrink >> rrt_connect", skeleton() >> shrink(0.5) >> connect },
     { "skeleton >> lazy_prm", skeleton() >> roadmap },
   }
-end)
+end
 
-pays.space = native.define({
-  "pays.space", "hierarchies of guides for worlds of space, after the planners that nothing guides",
-  returns = "{ [1]: string, [2]: trellis.Strategy }[]", usage = "pays.space { step = 1, budget = 20000 }",
-  options = { budget, step },
-}, function(o)
+-- The same for worlds of space: pays.space { step = 1, budget = 20000 }.
+function pays.space(given)
   -- lazy_prm takes more than a minute for a run there.
-  local connect, tree = unguided(o)
+  local connect, tree = unguided("pays.space", given)
   local all = { { "rrt_connect", connect }, { "rrt", tree } }
   for _, guide in ipairs {
     { "workspace", workspace() }, { "skeleton", skeleton() }, { "decomposition", decomposition() },
@@ -259,14 +244,11 @@ pays.space = native.define({
     all[#all + 1] = { guide[1] .. " >> rrt_connect", guide[2] >> connect }
   end
   return all
-end)
+end
 
-pays.catalogue = native.define({
-  "pays.catalogue", "every guide of the catalogue over rrt, after the planners that nothing guides",
-  returns = "{ [1]: string, [2]: trellis.Strategy }[]", usage = "pays.catalogue { budget = 20000 }",
-  options = { budget, step },
-}, function(o)
-  local connect, tree = unguided(o)
+-- Every guide of the catalogue over rrt, after the planners that nothing guides.
+function pays.catalogue(given)
+  local connect, tree = unguided("pays.catalogue", given)
   local guides = {
     { "shrink", shrink(0.5) },
     { "workspace", workspace() },
@@ -302,23 +284,20 @@ pays.catalogue = native.define({
   for _, guide in ipairs(guides) do all[#all + 1] = { guide[1] .. " >> rrt", guide[2] >> tree } end
   all[#all + 1] = { "skeleton >> split(rrt)", skeleton() >> split { tree } }
   return all
-end)
+end
 
 -- The experiment --------------------------------------------------------------------------------------------------
 
-pays.experiment = native.define({
-  "pays.experiment", "the worlds and the strategies, beside rrt_connect; nothing is measured but costs",
-  returns = "trellis.Experiment", usage = "pays.experiment { only = {\"paper\"}, seeds = 5 }",
-  options = {
-    choice,
-    {
-      name = "strategies", type = "string[]", expects = "a list of names",
-      doc = "of pays.strategies, pays.catalogue or pays.space; the planners that nothing guides are always there",
-    },
-    { name = "seeds", unit = "seeds", default = 30, lo = 1, hi = 1e6, doc = "consecutive seeds" },
-    budget,
-  },
-}, function(o)
+-- The worlds and the strategies, beside rrt_connect; nothing is measured but costs:
+-- pays.experiment { only = {"paper"}, seeds = 5 }. The options of pays.groups, and
+--   strategies  names, of pays.strategies, pays.catalogue or pays.space; the planners that nothing guides are always
+--               there
+--   seeds       consecutive seeds
+--   budget      proposals of the level at the root, after which a run fails
+function pays.experiment(given)
+  local o = with_defaults("pays.experiment", given, {
+    only = false, catalogue = false, mazes = false, space = false, strategies = false, seeds = 30, budget = 400000,
+  })
   local groups = pays.groups { only = o.only, catalogue = o.catalogue, mazes = o.mazes, space = o.space }
   local largest = 0
   for _, group in ipairs(o.space and groups or {}) do
@@ -342,6 +321,6 @@ pays.experiment = native.define({
     problems = problems, groups = groups, strategies = some, baseline = baseline,
     seeds = math.tointeger(o.seeds) or math.floor(o.seeds), measure = false, ablation = 0,
   }
-end)
+end
 
 return pays
