@@ -107,7 +107,8 @@ Checker checker_of(Answers& answers) {
 
 Configuration at(double x) {
   static const Case c = mixed_cases().front();
-  return Configuration(c.space.dimension(), x);
+  Configuration q(c.space.dimension(), x);
+  return q;
 }
 
 }  // namespace

@@ -867,15 +867,15 @@ std::unique_ptr<BodyPhase> make_body_phase(std::shared_ptr<const Scene> scene, c
 
 std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                               bool filtered) {
-  const bool team = !spatial(*scene).robot.members().empty();
   check_fits(*scene, space, resolution);
+  const Scene& checked = *scene;
   std::unique_ptr<NarrowPhase> phase;
-  if (team) {
-    phase = make_team_phase(scene, space, filtered);
+  if (spatial(checked).robot.members().empty()) {
+    phase = make_body_phase(std::move(scene), space, filtered);
   } else {
-    phase = make_body_phase(scene, space, filtered);
+    phase = make_team_phase(std::move(scene), space, filtered);
   }
-  return std::make_unique<Checker>(*scene, std::move(phase), resolution);
+  return std::make_unique<Checker>(checked, std::move(phase), resolution);
 }
 
 }  // namespace trellis

@@ -701,7 +701,8 @@ class SpherePhase final : public NarrowPhase {
 std::unique_ptr<Checker> make_sphere_checker(std::shared_ptr<const Scene> scene, const Space& space,
                                              double resolution) {
   check_fits(*scene, space, resolution);
-  return std::make_unique<Checker>(*scene, std::make_unique<SpherePhase>(scene, space), resolution);
+  const Scene& checked = *scene;
+  return std::make_unique<Checker>(checked, std::make_unique<SpherePhase>(std::move(scene), space), resolution);
 }
 
 }  // namespace trellis
