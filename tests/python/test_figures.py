@@ -42,15 +42,16 @@ return experiment { problems = { scenes.trap() }, baseline = "rrt", seeds = 7,
     "unsolved": """
 local p = rrt { step = 0.5, proposals = 1500 }
 return experiment { problems = { scenes.trap(), worlds.bug_trap() }, baseline = "rrt", seeds = 8, measure = false,
-  strategies = { rrt = p, skeleton = skeleton() >> p, shrink = shrink(0.5) >> p, both = skeleton() >> shrink(0.5) >> p },
-  ablation = 1 }""",
+  strategies = { rrt = p, skeleton = skeleton() >> p, shrink = shrink(0.5) >> p,
+                 both = skeleton() >> shrink(0.5) >> p }, ablation = 1 }""",
     # A correlation with its interval.
     "many": """
 local p = rrt { step = 0.5 }
 return experiment { problems = { scenes.trap(), scenes.cup(), scenes.simple_passage(), worlds.bug_trap(),
     worlds.dead_ends(), worlds.rooms { rooms = 3, seed = 1 } },
   baseline = "rrt", seeds = 5, ablation = 0, measure = tube { delta = 0.5 },
-  strategies = { rrt = p, skeleton = skeleton() >> p, shrink = shrink(0.5) >> p, nested = skeleton() >> lazy() >> p } }""",
+  strategies = { rrt = p, skeleton = skeleton() >> p, shrink = shrink(0.5) >> p,
+                 nested = skeleton() >> lazy() >> p } }""",
     # An option over three numbers, without scores; as many strategies as colours repeat for.
     "options": """
 local p = rrt { step = 0.5 }
@@ -204,6 +205,15 @@ class Documents(unittest.TestCase):
         self.assertEqual(figures.read(DOCUMENTS["ablate"]).strategies, ["rrt", "nested"])
 
 
+    def test_every_public_name_is_documented(self):
+        for name in figures.__all__:
+            value = getattr(figures, name)
+            self.assertTrue(value.__doc__, name)
+            for member, function in vars(value).items() if isinstance(value, type) else ():
+                if not member.startswith("_") and callable(function):
+                    self.assertTrue(function.__doc__, f"{name}.{member}")
+
+
 class Numbers(unittest.TestCase):
     """They are those of `trellis report --report costs`."""
 
@@ -219,8 +229,8 @@ class Numbers(unittest.TestCase):
             if "paired" not in frames:
                 continue
             folder = pathlib.Path(PLACE.name, f"{name}-costs")
-            subprocess.run([PROGRAM, "report", document, "--report", "costs", "--baseline", "rrt", "--out", str(folder)],
-                           check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([PROGRAM, "report", document, "--report", "costs", "--baseline", "rrt",
+                            "--out", str(folder)], check=True, stdout=subprocess.DEVNULL)
             with open(folder / "table.csv", encoding="utf-8") as file:
                 theirs = {tuple(row[key] for key in ("problem", "strategy", "against", "quantity")): row
                           for row in csv.DictReader(file)}
@@ -314,7 +324,7 @@ class Pictures(unittest.TestCase):
             figure = listed(getattr(figures, drawn)(DOCUMENTS[name]))[0].figure
             found = figure.get_size_inches() * MM
             self.assertAlmostEqual(found[0], width, places=6)
-            self.assertLess(abs(found[1] - height), 4, (name, drawn, found))
+            self.assertLess(abs(found[1] - height), 2, (name, drawn, found))
         for name, document in DOCUMENTS.items():
             for drawn in DRAWN[name]:
                 found = listed(getattr(figures, drawn)(document))[0].figure.get_size_inches() * MM
@@ -348,7 +358,8 @@ class Pictures(unittest.TestCase):
 
 class Files(unittest.TestCase):
     RC = "backend: svg\nfont.size: 23\nsvg.fonttype: none\nsvg.hashsalt: other\nsavefig.dpi: 31\naxes.grid: True\n" \
-         "text.color: red\naxes.facecolor: yellow\nsavefig.transparent: True\nsavefig.bbox: tight\npdf.compression: 0\n" \
+         "text.color: red\naxes.facecolor: yellow\nsavefig.transparent: True\nsavefig.bbox: tight\n" \
+         "pdf.compression: 0\n" \
          "axes.formatter.use_locale: True\nlines.linestyle: --\nfont.family: serif\npath.sketch: 1, 100, 2\n"
 
     def saved(self, name, place, **environment):
@@ -396,7 +407,8 @@ class Files(unittest.TestCase):
         self.assertTrue(texts["latex"]["costs"].startswith("\\begin{tabular}{llrrrrrr}\n\\toprule\n"))
         self.assertIn("a name with \\$ and \\_", figures.tables(DOCUMENTS["alone"], "latex")["costs"])
         infinite = figures.tables(DOCUMENTS["unsolved"])["costs"]
-        self.assertTrue(np.isinf(infinite[(infinite.problem == "bug_trap") & (infinite.strategy == "rrt")].checks).all())
+        row = infinite[(infinite.problem == "bug_trap") & (infinite.strategy == "rrt")]
+        self.assertTrue(np.isinf(row.checks).all())
 
 
 if __name__ == "__main__":

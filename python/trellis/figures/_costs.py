@@ -23,6 +23,7 @@ Strategies = Optional[Sequence[str]]
 
 
 def _unit(cost: str) -> float:
+    """By which costs of the document are multiplied: times are drawn in milliseconds."""
     return 1000.0 if cost == "time_s" else 1.0
 
 
@@ -32,6 +33,7 @@ def title(results: Results, problem: Optional[str]) -> str:
 
 
 def columns_of(count: int) -> int:
+    """The columns of so many panels."""
     return 1 if count == 1 else 2 if count in (2, 4) else 3
 
 
@@ -237,7 +239,7 @@ def success(document: Document, *, problem: Problem = None, strategies: Strategi
                           top=_style.key_height(entries, width - 14, True) + (6.5 if count > 1 else 3))
         if axes is None:
             rows = math.ceil(count / columns)
-            each = (36.0 if rows == 1 else 30.0) if rows < 3 else 24.0
+            each = (37.0 if rows == 1 else 31.0) if rows < 3 else 24.0
             height = rows * each + margins.top + margins.bottom + margins.high * (rows - 1)
             axes = _style.place("success", width, height, count, columns, margins)
             _style.key(axes[0].figure, entries, 10.5, width - 14, True)
@@ -522,7 +524,7 @@ def levels(document: Document, *, problem: Problem = None, strategies: Strategie
         if axes is None:
             rows = math.ceil(count / columns)
             spare = _style.HIGHEST - margins.top - margins.bottom - margins.high * (rows - 1)
-            row = min(5.5 if count == 1 else 4.0, max(2.6, spare / rows / len(places)))
+            row = min(5.6 if count == 1 else 4.2, max(2.6, spare / rows / len(places)))
             height = rows * row * len(places) + margins.top + margins.bottom + margins.high * (rows - 1)
             axes = _style.place("levels", width, height, count, columns, margins)
         forest = [Forest(0, one.ratio, _style.nth(0), False) for one in every]
