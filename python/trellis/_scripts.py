@@ -2,6 +2,7 @@
 """Scripts, strategies, and the results of runs."""
 from __future__ import annotations
 
+import html
 import json
 import os
 import warnings
@@ -119,6 +120,15 @@ class Result:
 
     def __repr__(self) -> str:
         return f"<trellis.Result of {len(self.document['runs'])} runs>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and, where matplotlib is installed, the costs of all runs."""
+        shown = f"<pre style='line-height:1.25'>{html.escape(self.text)}</pre>"
+        try:
+            from .figures import svg
+        except ImportError:
+            return shown
+        return shown + svg(self.figures.costs()) if any(self.document["runs"]) else shown
 
     @property
     def runs(self) -> "pandas.DataFrame":

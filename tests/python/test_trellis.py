@@ -147,6 +147,13 @@ class Scripts(Folder):
         result = trellis.run(trellis.script(GAPS), "trap", measure=False)
         self.assertEqual(result.figures.costs().get_title(loc="left"), "trap")
         self.assertEqual(figures.read(result).strategies, ["rrt", "guided"])
+        # What a notebook shows.
+        page = result._repr_html_()
+        self.assertIn("<pre", page)
+        self.assertIn("<svg", page)
+        self.assertEqual(page, result._repr_html_())
+        with self.assertRaisesRegex(figures.Error, "svg: a figure, or axes of one, is needed"):
+            figures.svg(3)
         written = result.figures.save(self.folder / "figures", formats=["svg"], texts=[])
         self.assertIn(self.folder / "figures" / "ratios.svg", written)
         self.assertEqual(result.figures.tables()["costs"]["solved"].tolist(), [3, 3])

@@ -33,7 +33,7 @@ from ._bound import Figures
 from ._costs import costs, levels, ratios, success
 from ._document import Error, Interval, Results, read
 from ._measure import correlation, scales, waterfall
-from ._save import save, supported
+from ._save import save, supported, svg
 from ._tables import tables
 
 __all__ = [
@@ -50,6 +50,7 @@ __all__ = [
     "scales",
     "success",
     "supported",
+    "svg",
     "tables",
     "waterfall",
 ]

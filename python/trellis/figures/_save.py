@@ -2,6 +2,7 @@
 """Writes figures and tables to files: the same document gives the same bytes."""
 from __future__ import annotations
 
+import io
 import os
 import pathlib
 from typing import Any, Callable, Dict, List, Optional, Sequence, Union
@@ -42,6 +43,24 @@ def _write(figure: Any, stem: pathlib.Path, formats: Sequence[str]) -> List[path
             figure.savefig(path, format=ending, metadata=_METADATA[ending], facecolor="white", edgecolor="none")
         written.append(path)
     return written
+
+
+def svg(what: Any) -> str:
+    """Returns a figure as the text of an SVG element, for pages and notebooks: with the style of `save`, and the same
+    text for the same figure.
+
+    what: a figure, axes, or an array of axes, as the functions return them.
+
+    Raises `Error` for anything else.
+    """
+    figure = _figure_of(what)
+    if figure is None:
+        raise Error("svg: a figure, or axes of one, is needed, as figures.costs(document) returns them")
+    text = io.BytesIO()
+    with _style.styled():
+        figure.savefig(text, format="svg", metadata=_METADATA["svg"], facecolor="white", edgecolor="none")
+    whole = text.getvalue().decode("utf-8")
+    return whole[whole.index("<svg"):]
 
 
 def supported(document: Document) -> List[str]:
