@@ -63,7 +63,7 @@ const Construct& urdf_construct() {
             "what moves; the other joints stay where `values` say. None: all joints that can move"},
            {"values", "table<string, number>", "a table, as { torso_lift_joint = 0.2 }",
             "where joints stay that do not move, in radians or metres; others at 0 or at the nearest limit"},
-           {"base", "trellis.Pose|string", "a pose, \"planar\" or \"floating\"",
+           {"base", "trellis.Pose|string", R"(a pose, "planar" or "floating")",
             "where the robot's base is in the world; \"planar\": it moves in the plane z = 0, by three coordinates "
             "before those of the joints; \"floating\": it moves freely, by a position and a quaternion x, y, z, w"},
            {"packages", "table<string, string>", "a table, as { ur_description = \"robots/ur\" }",
