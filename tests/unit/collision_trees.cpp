@@ -76,8 +76,8 @@ Robot planar_arm() { return Robot::arm({.links = {0.8, 0.6, 0.5}, .widths = {0.1
 
 /// An arm, a disc and a body: all kinds of roots.
 SphereModel mixed_team() {
-  std::vector<SphereModel> robots = standing(planar_arm(), 0.3);
-  robots.push_back(standing(Robot::disc(0.2), 0.5).front());
+  std::vector<SphereModel> robots = upright(planar_arm(), 0.3);
+  robots.push_back(upright(Robot::disc(0.2), 0.5).front());
   robots.push_back(linked(dumbbell(0.3)).front());
   return SphereModel::team(robots);
 }
@@ -235,7 +235,7 @@ TEST_CASE("a robot of the plane stands in space where it is in the plane", "[sce
                      Body{.parts = {Disc{{0.3, 0}, 0.1}}, .parent = 0, .joint = {0.2, 0.1}, .angle_axis = 3}})};
   for (const Robot& robot : robots) {
     INFO(robot.name());
-    const SphereModel model = standing(robot, 0.5).front();
+    const SphereModel model = upright(robot, 0.5).front();
     REQUIRE(model.robot().dimension() == robot.dimension());
     const World plane({{-2, -2}, {2, 2}}, {});
     const Space space = default_space(robot, plane, 1.0);
@@ -259,8 +259,8 @@ TEST_CASE("a robot of the plane stands in space where it is in the plane", "[sce
       }
     }
   }
-  CHECK_THROWS_WITH(standing(Robot::point(), 0.5), Catch::Contains("a point has no height"));
-  CHECK_THROWS_WITH(standing(Robot::disc(0.3), -1.0), Catch::Contains("must be a number > 0, got -1"));
+  CHECK_THROWS_WITH(upright(Robot::point(), 0.5), Catch::Contains("a point has no height"));
+  CHECK_THROWS_WITH(upright(Robot::disc(0.3), -1.0), Catch::Contains("must be a number > 0, got -1"));
   CHECK_THROWS_WITH(linked(Robot3::point()), Catch::Contains("nothing can touch it"));
 }
 
@@ -277,7 +277,7 @@ TEST_CASE("what stands in space without contact is without contact in the plane"
   }
   const auto plane = std::make_shared<PlanarScene>(World({{-2, -2}, {2, 2}}, flat), Robot::team(team));
   const auto space = std::make_shared<ManipulatorScene>(World3({{-2, -2, -1}, {2, 2, 1}}, solid),
-                                                        SphereModel::team(standing(plane->robot, 0.5)));
+                                                        SphereModel::team(upright(plane->robot, 0.5)));
   const auto in_plane = make_checker("planar", plane, plane->default_space(1.0), 0.05);
   const auto in_space = make_checker("spheres", space, space->default_space(1.0), 0.05);
   Configuration q(plane->robot_dimension());

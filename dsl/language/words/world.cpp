@@ -479,7 +479,7 @@ std::optional<std::vector<R>> all_of(const std::vector<AnyRobot>& listed, std::s
 
 /// \param height  of a robot of the plane in space
 std::vector<SphereModel> linked_robots(const AnyRobot& robot, double height) {
-  if (const auto* planar = std::get_if<Robot>(&robot)) return standing(*planar, height);
+  if (const auto* planar = std::get_if<Robot>(&robot)) return upright(*planar, height);
   if (const auto* body = std::get_if<Robot3>(&robot)) return linked(*body);
   return {std::get<SphereModel>(robot)};
 }
@@ -508,11 +508,19 @@ int make_team(Stack& call) {
   if (height == 0.0) {
     if (const auto robots = all_of<Robot>(listed, count)) return call.result(Robot::team(*robots));
   }
+  const bool planar =
+      std::any_of(listed.begin(), listed.end(), [](const AnyRobot& one) { return std::holds_alternative<Robot>(one); });
+  if (height > 0.0 && !planar && !listed.empty()) {
+    throw Error("robots: 'height' is that of robots of the plane, and none of these is one: leave it out");
+  }
   if (const auto bodies = all_of<Robot3>(listed, count)) return call.result(Robot3::team(*bodies));
   std::vector<SphereModel> robots;
   for (const AnyRobot& robot : listed) {
     const std::vector<SphereModel> own = linked_robots(robot, height);
     for (std::size_t k = 0; k < count; ++k) robots.insert(robots.end(), own.begin(), own.end());
+  }
+  if (robots.size() > Robot::most_members) {
+    throw Error(fmt::format("robots: at most {} robots in a team, got {}", Robot::most_members, robots.size()));
   }
   return call.result(SphereModel::team(robots));
 }

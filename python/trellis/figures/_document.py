@@ -207,17 +207,20 @@ class Results:
         runs = self.runs(problem, strategy)
         return sum(1 for run in runs if run["solved"]), len(runs)
 
+    def _named(self, what: str, given: Union[None, str, Sequence[str]], known: Sequence[str]) -> List[str]:
+        """The names given, each of which is known; all for None."""
+        names = list(known) if given is None else [given] if isinstance(given, str) else list(given)
+        for name in names:
+            if name not in known:
+                raise Error(f"{self.file}: there is no {what} '{name}'; there are: {', '.join(known)}")
+        return names
+
     def chosen(self, strategies: Optional[Sequence[str]]) -> List[str]:
         """The named strategies, in the order of `strategies`; all for None.
 
         Raises `Error` for an unknown name.
         """
-        if strategies is None:
-            return list(self.strategies)
-        names = [strategies] if isinstance(strategies, str) else list(strategies)
-        for name in names:
-            if name not in self.strategies:
-                raise Error(f"{self.file}: there is no strategy '{name}'; there are: {', '.join(self.strategies)}")
+        names = self._named("strategy", strategies, self.strategies)
         return [name for name in self.strategies if name in names]
 
     def panels(self, problem: Union[None, str, Sequence[str]]) -> List[str]:
@@ -225,13 +228,8 @@ class Results:
 
         Raises `Error` for an unknown name, and for an empty list.
         """
-        if problem is None:
-            return list(self.problems)
-        names = [problem] if isinstance(problem, str) else list(problem)
-        for name in names:
-            if name not in self.problems:
-                raise Error(f"{self.file}: there is no problem '{name}'; there are: {', '.join(self.problems)}")
-        if not names:
+        names = self._named("problem", problem, self.problems)
+        if not names and problem is not None:
             raise Error(f"{self.file}: name at least one problem")
         return names
 

@@ -431,6 +431,21 @@ def key_height(entries: Sequence[Entry], width: float, lines: bool) -> float:
     return len(_key_rows(entries, width, 7.5 if lines else 3.0)) * _KEY_LINE
 
 
+def _sign(entry: Entry, lines: bool, x: Sequence[float], y: Sequence[float], **more: Any) -> Line2D:
+    """The line, or the mark, that stands for a strategy in a key."""
+    return Line2D(
+        x,
+        y,
+        color=entry.look.colour,
+        linewidth=1.3,
+        linestyle=entry.look.dash if lines else "none",
+        marker="none" if lines else entry.look.mark,
+        markersize=3.8,
+        markeredgewidth=0,
+        **more,
+    )
+
+
 def key(figure: Any, entries: Sequence[Entry], left: float, width: float, lines: bool) -> None:
     """The strategies above the panels, where they cover no data: their lines, or their marks."""
     wide, high = figure.get_figwidth() / MM, figure.get_figheight() / MM
@@ -439,37 +454,13 @@ def key(figure: Any, entries: Sequence[Entry], left: float, width: float, lines:
         y = 1 - (2.6 + i * _KEY_LINE) / high
         for x, entry in row:
             ends = [left + x, left + x + 6] if lines else [left + x + 1]
-            figure.add_artist(
-                Line2D(
-                    [end / wide for end in ends],
-                    [y] * len(ends),
-                    color=entry.look.colour,
-                    linewidth=1.3,
-                    linestyle=entry.look.dash if lines else "none",
-                    marker="none" if lines else entry.look.mark,
-                    markersize=3.8,
-                    markeredgewidth=0,
-                )
-            )
+            figure.add_artist(_sign(entry, lines, [end / wide for end in ends], [y] * len(ends)))
             figure.text((left + x + sign) / wide, y - _CAPITAL * SIZE / 2 / POINT / high, entry.name, ha="left")
 
 
 def inner_key(ax: Any, entries: Sequence[Entry], lines: bool, up: float = 0.7) -> None:
     """The same in the caller's axes, so many millimetres above them."""
-    handles = [
-        Line2D(
-            [],
-            [],
-            color=entry.look.colour,
-            linewidth=1.3,
-            linestyle=entry.look.dash if lines else "none",
-            marker="none" if lines else entry.look.mark,
-            markersize=3.8,
-            markeredgewidth=0,
-            label=entry.name,
-        )
-        for entry in entries
-    ]
+    handles = [_sign(entry, lines, [], [], label=entry.name) for entry in entries]
     ax.legend(
         handles=handles,
         loc="lower left",

@@ -93,8 +93,8 @@ inline Eigen::Isometry3d isometry_of(const Pose3& pose) {
   return isometry;
 }
 /// Returns the pose of an isometry, a copy. Of the two quaternions of its rotation the pose has that of `normalised`,
-/// so a pose that is converted forth and back may have the other one. \param isometry  its linear part is a rotation:
-/// orthogonal up to rounding, without a reflection; in metres
+/// so a pose that is converted forth and back may have the other one.
+/// \param isometry  its linear part is a rotation: orthogonal up to rounding, without a reflection; in metres
 inline Pose3 pose_of(const Eigen::Isometry3d& isometry) {
   Pose3 pose;
   as_eigen(pose.position) = isometry.translation();

@@ -55,9 +55,8 @@ class NarrowPhase {
   virtual Batch check(const Order& order, std::uint32_t rank) = 0;
   /// Ends the motion.
   /// \param first  the rank of the first configuration that touches; n: none does
-  /// \return the parameter on [0, 1] where a point touches an obstacle between the n configurations; of other robots,
-  /// and
-  ///     where first is less than n, none
+  /// \return the parameter on [0, 1] where a point touches an obstacle between the n configurations; none of other
+  ///     robots, and where first is less than n
   virtual std::optional<double> end(std::uint32_t first) {
     static_cast<void>(first);
     return std::nullopt;

@@ -480,30 +480,30 @@ class SpherePhase final : public NarrowPhase {
   /// The distances on a motion.
   class Clearances final : public MotionClearance {
    public:
-    Clearances(const SpherePhase& checker, View a, View b)
-        : checker_(checker),
+    Clearances(const SpherePhase& phase, View a, View b)
+        : phase_(phase),
           a_(a),
           b_(b),
-          whole_(checker.model_.bodies().size(), 0.0),
+          whole_(phase.model_.bodies().size(), 0.0),
           moved_(whole_.size()),
-          change_(checker.space_.dimension()) {
-      checker.robot_.change(checker.space_, a, b, change_);
-      for (const std::size_t body : checker.solid_) {
-        whole_[body] = checker.shared_->longest_path(body, change_);
+          change_(phase.space_.dimension()) {
+      phase.robot_.change(phase.space_, a, b, change_);
+      for (const std::size_t body : phase.solid_) {
+        whole_[body] = phase.shared_->longest_path(body, change_);
         displacement_ = std::max(displacement_, whole_[body]);
       }
-      batched_ = checker.batched_ && add_roots();
+      batched_ = phase.batched_ && add_roots();
       if (!batched_) return;
       bend_.assign(whole_.size(), 0.0);
-      for (const std::size_t body : checker.solid_) {
-        bend_[body] = checker.shared_->bend(body, checker.shared_->levers()[body].size(), change_);
+      for (const std::size_t body : phase.solid_) {
+        bend_[body] = phase.shared_->bend(body, phase.shared_->levers()[body].size(), change_);
       }
-      pair_bend_.resize(checker.shared_->unshared().size());
+      pair_bend_.resize(phase.shared_->unshared().size());
       for (std::size_t p = 0; p < pair_bend_.size(); ++p) {
-        const auto& [first, second] = checker.model_.pairs()[p];
-        const auto& [own, other] = checker.shared_->unshared()[p];
-        pair_bend_[p] = checker.shared_->bend(checker.model_.parts()[first].body, own, change_) +
-                        checker.shared_->bend(checker.model_.parts()[second].body, other, change_);
+        const auto& [first, second] = phase.model_.pairs()[p];
+        const auto& [own, other] = phase.shared_->unshared()[p];
+        pair_bend_[p] = phase.shared_->bend(phase.model_.parts()[first].body, own, change_) +
+                        phase.shared_->bend(phase.model_.parts()[second].body, other, change_);
       }
       part_change_.resize(change_.size());
       part_bend_.resize(bend_.size());
@@ -525,17 +525,17 @@ class SpherePhase final : public NarrowPhase {
         unsigned found = 0;
         for (std::size_t i = 0; i < shares.size(); ++i) {
           place(shares[i], half);
-          if (checker_.apart_by(margin + checker_.slack_, moved_)) found |= 1U << i;
+          if (phase_.apart_by(margin + phase_.slack_, moved_)) found |= 1U << i;
         }
         return found;
       }
       const kernel::ChainMotion motion = move(shares, half);
-      kernel::Scene3 scene = checker_.shared_->kernel_scene();
-      scene.slack = margin + checker_.slack_;
+      kernel::Scene3 scene = phase_.shared_->kernel_scene();
+      scene.slack = margin + phase_.slack_;
       scene.cloud_lanes = first_lanes(shares.size());
-      const unsigned near = checker_.kernel_.approach_chain(
-          checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()), checker_.frames3_.data(),
-          checker_.rates_.data(), scene, motion, checker_.centres_.data(), checker_.scratch_.data());
+      const unsigned near = phase_.kernel_.approach_chain(
+          phase_.chain().data(), static_cast<unsigned>(phase_.chain().size()), phase_.frames3_.data(),
+          phase_.rates_.data(), scene, motion, phase_.centres_.data(), phase_.scratch_.data());
       return ~near & ((1U << shares.size()) - 1U);
     }
     [[nodiscard]] std::optional<double> measured_from() const override {
@@ -544,13 +544,13 @@ class SpherePhase final : public NarrowPhase {
     [[nodiscard]] Near near(double share, double half, double at_most) override {
       if (batched_) return near_of_batch(share, half, at_most);
       place(share, half);
-      for (const std::size_t b : checker_.solid_) checker_.place_balls(b);
+      for (const std::size_t b : phase_.solid_) phase_.place_balls(b);
       double sure = 0.0;
-      const double distance = checker_.distance_at(at_most + 2.0 * half * displacement_, &moved_, &sure);
-      if (distance <= checker_.slack_) return {0.0, std::min(sure, 0.0)};
+      const double distance = phase_.distance_at(at_most + 2.0 * half * displacement_, &moved_, &sure);
+      if (distance <= phase_.slack_) return {0.0, std::min(sure, 0.0)};
       // The displacements of an arm are bounded coarsely: shorter intervals for a closer bound would cost more than the
       // search.
-      return {std::min(distance, at_most), std::min(sure - checker_.slack_, at_most), true};
+      return {std::min(distance, at_most), std::min(sure - phase_.slack_, at_most), true};
     }
 
    private:
@@ -560,12 +560,12 @@ class SpherePhase final : public NarrowPhase {
     /// Computes how the joints that carry whole robots turn and slide on the whole motion, in the world.
     /// \return whether they turn by less than a half turn: of that, rounding decides the direction
     bool add_roots() {
-      for (const std::size_t body : checker_.shared_->roots()) {
-        const Manipulator::Body& root = checker_.robot_.bodies()[body];
-        const Quaternion frame = (checker_.base_ * root.origin).orientation;
+      for (const std::size_t body : phase_.shared_->roots()) {
+        const Manipulator::Body& root = phase_.robot_.bodies()[body];
+        const Quaternion frame = (phase_.base_ * root.origin).orientation;
         const Pose3 back = root.origin.inverse();
-        const Pose3 from = back * checker_.robot_.joint_pose(body, a_);
-        const Pose3 to = back * checker_.robot_.joint_pose(body, b_);
+        const Pose3 from = back * phase_.robot_.joint_pose(body, a_);
+        const Pose3 to = back * phase_.robot_.joint_pose(body, b_);
         Vec3 turn;
         if (root.kind == Joint::Kind::planar) turn = change_[root.column + 2] * root.axis;
         if (root.kind == Joint::Kind::floating) {
@@ -584,13 +584,13 @@ class SpherePhase final : public NarrowPhase {
       half_ = half;
       measured_ = false;
       for (std::size_t lane = 0; lane < kernel::lanes; ++lane) {
-        checker_.space_.interpolate(a_, b_, shares[std::min(lane, shares.size() - 1)], checker_.q_);
-        checker_.set_lane(lane);
+        phase_.space_.interpolate(a_, b_, shares[std::min(lane, shares.size() - 1)], phase_.q_);
+        phase_.set_lane(lane);
       }
       for (std::size_t r = 0; r < roots_.size(); ++r) {
         const auto& [turn, slide] = roots_[r];
         const std::array<double, 6> rates = {turn.x, turn.y, turn.z, slide.x, slide.y, slide.z};
-        kernel::Lanes* to = &checker_.rates_[6 * checker_.shared_->roots()[r]];
+        kernel::Lanes* to = &phase_.rates_[6 * phase_.shared_->roots()[r]];
         for (std::size_t k = 0; k < rates.size(); ++k) {
           for (double& value : to[k].v) value = half * rates[k];
         }
@@ -598,10 +598,10 @@ class SpherePhase final : public NarrowPhase {
       for (std::size_t j = 0; j < change_.size(); ++j) part_change_[j] = half * change_[j];
       for (std::size_t b = 0; b < bend_.size(); ++b) part_bend_[b] = half * half * bend_[b];
       for (std::size_t p = 0; p < pair_bend_.size(); ++p) part_pair_bend_[p] = half * half * pair_bend_[p];
-      const auto count = static_cast<unsigned>(checker_.chain().size());
-      checker_.kernel_.move_chain(checker_.chain().data(), count, checker_.values_.data(), checker_.frames3_.data());
-      checker_.kernel_.rate_chain(checker_.chain().data(), count, checker_.frames3_.data(), part_change_.data(),
-                                  checker_.rates_.data());
+      const auto count = static_cast<unsigned>(phase_.chain().size());
+      phase_.kernel_.move_chain(phase_.chain().data(), count, phase_.values_.data(), phase_.frames3_.data());
+      phase_.kernel_.rate_chain(phase_.chain().data(), count, phase_.frames3_.data(), part_change_.data(),
+                                phase_.rates_.data());
       return part();
     }
     [[nodiscard]] kernel::ChainMotion part() const {
@@ -618,29 +618,28 @@ class SpherePhase final : public NarrowPhase {
       if (!measured_) {
         const double most = at_most + 2.0 * half * displacement_;
         for (std::size_t lane = 0; lane < kernel::lanes; ++lane) least_.v[lane] = sure_.v[lane] = most;
-        checker_.kernel_.measure_chain(checker_.chain().data(), static_cast<unsigned>(checker_.chain().size()),
-                                       checker_.frames3_.data(), checker_.rates_.data(),
-                                       checker_.shared_->kernel_scene(), part(), checker_.centres_.data(),
-                                       checker_.scratch_.data(), least_, sure_);
+        phase_.kernel_.measure_chain(phase_.chain().data(), static_cast<unsigned>(phase_.chain().size()),
+                                     phase_.frames3_.data(), phase_.rates_.data(), phase_.shared_->kernel_scene(),
+                                     part(), phase_.centres_.data(), phase_.scratch_.data(), least_, sure_);
         measured_ = true;
       }
       const auto lane = static_cast<std::size_t>(found - shares_.begin());
-      const double sure = sure_.v[lane] - checker_.slack_;
-      if (least_.v[lane] <= checker_.slack_) return {0.0, std::min(sure, 0.0)};
+      const double sure = sure_.v[lane] - phase_.slack_;
+      if (least_.v[lane] <= phase_.slack_) return {0.0, std::min(sure, 0.0)};
       return {std::min(least_.v[lane], at_most), std::min(sure, at_most)};
     }
 
     /// Places the robot, and bounds how far its bodies move to either side.
     void place(double share, double half) {
-      checker_.space_.interpolate(a_, b_, share, checker_.q_);
-      checker_.move(checker_.q_);
-      checker_.place_wholes();
-      for (const std::size_t b : checker_.solid_) {
-        moved_[b] = checker_.displacement_near(b, half, change_, half * whole_[b]);
+      phase_.space_.interpolate(a_, b_, share, phase_.q_);
+      phase_.move(phase_.q_);
+      phase_.place_wholes();
+      for (const std::size_t b : phase_.solid_) {
+        moved_[b] = phase_.displacement_near(b, half, change_, half * whole_[b]);
       }
     }
 
-    const SpherePhase& checker_;
+    const SpherePhase& phase_;
     View a_;
     View b_;
     std::vector<double> whole_;  ///< of each body, on the whole motion

@@ -131,8 +131,9 @@ class KinematicTree {
   std::vector<std::size_t> body_of_;   ///< for each link: the first link that fixed joints connect it to
 };
 
-/// A robot with a fixed base of which some joints move: a configuration has the coordinates of these joints in order,
-/// the other joints stay where they are. Links that do not move against each other are one body.
+/// A robot of which some joints move: a configuration has the coordinates of these joints in order, the other joints
+/// stay where they are. Its base is fixed; a root joint (Joint::carries_robot) may move all that the base carries.
+/// Links that do not move against each other are one body.
 class Manipulator {
  public:
   /// A part that moves as a whole: links between which no joint moves.

@@ -65,7 +65,7 @@ Solid prism(const ConvexShape& shape, double height) {
   return {std::make_shared<const Mesh>(std::move(vertices), std::move(triangles), "a prism"), {}};
 }
 
-SphereModel standing_robot(const Robot& robot, double height) {
+SphereModel upright_robot(const Robot& robot, double height) {
   const auto fail = [&](const std::string& fault) -> void {
     throw Error(fmt::format("robot '{}' cannot stand in space: {}", robot.name(), fault));
   };
@@ -137,13 +137,13 @@ std::vector<SphereModel> linked(const Robot3& robot) {
   return all;
 }
 
-std::vector<SphereModel> standing(const Robot& robot, double height) {
+std::vector<SphereModel> upright(const Robot& robot, double height) {
   if (!(height > 0.0) || !std::isfinite(height)) {
     throw Error(fmt::format("robots: the height of robots of the plane must be a number > 0, got {:g}", height));
   }
-  if (robot.members().empty()) return {standing_robot(robot, height)};
+  if (robot.members().empty()) return {upright_robot(robot, height)};
   std::vector<SphereModel> all;
-  for (const Robot::Member& member : robot.members()) all.push_back(standing_robot(*member.robot, height));
+  for (const Robot::Member& member : robot.members()) all.push_back(upright_robot(*member.robot, height));
   return all;
 }
 

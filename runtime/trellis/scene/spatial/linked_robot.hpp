@@ -22,6 +22,6 @@ std::vector<SphereModel> linked(const Robot3& robot);
 /// \param height  metres, greater than 0
 /// \throws Error for a point, another height, a body whose angle is that of the world (Body::absolute), and where the
 ///     coordinates do not follow the order of the bodies
-std::vector<SphereModel> standing(const Robot& robot, double height);
+std::vector<SphereModel> upright(const Robot& robot, double height);
 
 }  // namespace trellis

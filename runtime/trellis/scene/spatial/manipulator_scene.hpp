@@ -210,9 +210,10 @@ class SphereModel {
 /// a joint connects them, or joints with only links without collision geometry between them.
 SphereModel::Pairs neighbours(const KinematicTree& tree);
 
-/// Returns the coordinates of a robot's configurations: of each joint that moves its own, in order; of a quaternion
-/// four from -1 to 1. \param bounds  of the positions of a base that moves \param weight  metres of the metric per
-/// radian
+/// Returns the coordinates of a robot's configurations: of each joint that moves its own, in order; a quaternion has
+/// four, from -1 to 1.
+/// \param bounds  of the positions of a base that moves
+/// \param weight  metres of the metric per radian
 std::vector<Axis> joint_axes(const Manipulator& robot, const Box3& bounds, double weight);
 /// Returns the space of a robot's configurations: a line for each joint with limits, a circle for each one without, and
 /// the rotations of space for each floating joint.
