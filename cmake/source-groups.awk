@@ -127,6 +127,15 @@ function shadows(a, b,    name, names, part, parts, i, k) {
   return 0
 }
 
+# A name for a group by its first source, so that new sources elsewhere do not change what ccache compares.
+function group_name(file, kind,    part, parts, name) {
+  parts = split(substr(file, 1, length(file) - 4), part, "/")
+  name = part[parts - 1] "_" part[parts]
+  while ((kind, name) in taken) name = name "_"
+  taken[kind, name] = 1
+  return name
+}
+
 NR == 1 { folder_count = split(folders, folder, ":") }
 {
   parts = split(substr(closure($2), 2), part)
@@ -159,9 +168,12 @@ END {
       for (i = 1; i <= members; i++) if ((at, member[i]) in clash) break
       if (i > members) break
     }
-    if (group > groups) of[groups = group] = kind[at]
+    if (group > groups) {
+      of[groups = group] = kind[at]
+      name_of[group] = group_name(source[at], kind[at])
+    }
     size[group] += lines_of[source[at]]
     members_of[group] = members_of[group] FS at
-    print source[at] "\t" group
+    print source[at] "\t" name_of[group]
   }
 }

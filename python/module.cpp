@@ -43,6 +43,7 @@
 #include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/instance/resolve_goal.hpp>
+#include <trellis/pictures/scenery.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
@@ -383,8 +384,9 @@ std::tuple<std::string, std::string, std::vector<std::string>> run(
                                                                                },
                                                                            .interrupted = Call::is_stopped});
         auto& [document, text, warnings] = answer;
-        const trellis::ExperimentFacts facts =
+        trellis::ExperimentFacts facts =
             trellis::facts_of(experiment, result, request.script ? request.script->path : "");
+        facts.scenery = trellis::scenery_of(experiment);
         const trellis::ExperimentSummary summary = trellis::summarise(facts);
         document = trellis::report_json(facts, summary);
         text = trellis::report_text(summary, width, trellis::ReportKind::overview);

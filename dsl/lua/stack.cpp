@@ -207,6 +207,8 @@ void Stack::call_protected(int arguments) {
 
 void Stack::push_object(std::unique_ptr<Object> object, const char* type) {
   room(state_, 3);
+  static std::atomic<std::uint64_t> made = 0;
+  object->number = ++made;
   // The object's size counts in the script's memory as if Lua had allocated it, so that Lua collects garbage in time.
   void* block = lua_newuserdatauv(state_, sizeof object + object->weight(), 0);
   new (block) std::unique_ptr<Object>(std::move(object));

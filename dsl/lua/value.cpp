@@ -150,6 +150,11 @@ void Value::each_pair(const std::function<void(Value, Value)>& visit) const {
 
 const void* Value::identity() const { return lua_topointer(state_, index_); }
 
+std::uint64_t Value::object_number() const {
+  const Object* found = object();
+  return found != nullptr ? found->number : 0;
+}
+
 const Object* Value::object() const {
   if (type() != Type::object) return nullptr;
   const int top = lua_gettop(state_);

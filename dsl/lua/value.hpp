@@ -31,6 +31,9 @@ class Object {
   Object& operator=(const Object&) = delete;
   virtual ~Object() = default;
   [[nodiscard]] virtual std::size_t weight() const = 0;
+
+  /// Objects are numbered as a process makes them, so that those of a table have the order of the script.
+  std::uint64_t number = 0;
 };
 
 template <class T>
@@ -87,6 +90,8 @@ class Value {
   void each(const std::function<void(std::size_t, Value)>& visit) const;
   /// Calls `visit` with each key and its value, in no particular order. `visit` must not change the table.
   void each_pair(const std::function<void(Value, Value)>& visit) const;
+  /// Returns Object::number; 0 for another type.
+  [[nodiscard]] std::uint64_t object_number() const;
   /// Equal only for the same table, object or function.
   [[nodiscard]] const void* identity() const;
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/figures/base64.hpp>
+#include <trellis/pictures/base64.hpp>
 #include <trellis/figures/gltf.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>

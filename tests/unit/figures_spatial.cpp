@@ -11,7 +11,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/figures/scene_figures.hpp>
-#include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
 
 #include "report_folder.hpp"
 #include "support/catch.hpp"

@@ -15,8 +15,8 @@
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/scene_figures.hpp>
 #include <trellis/figures/schedule_figures.hpp>
-#include <trellis/figures/spatial_shapes.hpp>
-#include <trellis/figures/traces.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
+#include <trellis/pictures/traces.hpp>
 #include <trellis/report/experiment_summary.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 

@@ -12,6 +12,7 @@
 
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/figures/html.hpp>
+#include <trellis/pictures/packed_run.hpp>
 #include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/report.hpp>
 
@@ -35,8 +36,10 @@ inline std::string report_csv(const Experiment& experiment, const ExperimentResu
 
 inline std::string report_html(const Experiment& experiment, const ExperimentResult& result,
                                const std::string& script = "", const HtmlOptions& options = {}) {
-  const ExperimentFacts facts = facts_of(experiment, result, script);
-  return trellis::report_html(experiment, result, facts, summarise(facts), options);
+  ExperimentFacts facts = facts_of(experiment, result, script);
+  facts.scenery = scenery_of(experiment);
+  PackedRuns samples(experiment, result);
+  return trellis::report_html(facts, summarise(facts), &samples, options);
 }
 
 /// The runs of a strategy on a problem alone.

@@ -21,8 +21,8 @@
 #include <trellis/draw/palette.hpp>
 #include <trellis/draw/spatial.hpp>
 #include <trellis/draw/worlds.hpp>
-#include <trellis/figures/spatial_shapes.hpp>
-#include <trellis/figures/traces.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
+#include <trellis/pictures/traces.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/visit.hpp>

@@ -24,9 +24,11 @@
 #include <trellis/base/input_file.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/memory/identity.hpp>
+#include <trellis/pictures/scenery.hpp>
 #include <trellis/report/files.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/run_json.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::command {
@@ -84,6 +86,15 @@ Shard Shard::parse(const std::string& text) {
 
 std::string Shard::text() const { return fmt::format("{}/{}", index, count); }
 
+namespace {
+
+Scenery scenery_from(const Json& json) {
+  const auto text = [&](const char* name) { return json::lines(json.at(name).get_ref<const Json::array_t&>()); };
+  return {text("worlds"), text("robots"), text("scenes")};
+}
+
+}  // namespace
+
 Manifest Manifest::read(const std::string& folder) {
   const std::string path = in(folder, "manifest.json");
   try {
@@ -95,7 +106,8 @@ Manifest Manifest::read(const std::string& folder) {
             json.at("worlds").get<std::map<std::string, std::string>>(),
             json.at("options").get<std::string>(),
             Shard::parse(json.at("shard").get<std::string>()),
-            json.at("experiment").dump()};
+            json.at("experiment").dump(),
+            scenery_from(json.at("scenery"))};
   } catch (const Json::exception&) {
     throw Error(
         fmt::format("{}: this is no manifest of this version of trellis ({}); name another folder, or start "
@@ -111,7 +123,11 @@ void Manifest::write(const std::string& folder) const {
                      {"script_hash", script_hash}, {"files", files},
                      {"worlds", worlds},           {"options", options},
                      {"shard", shard.text()},      {"experiment", Json::parse(experiment)},
-                     {"commit", commit()},         {"machine", machine()}};
+                     {"commit", commit()},         {"machine", machine()},
+                     {"scenery",
+                      {{"worlds", Json::parse(scenery.worlds)},
+                       {"robots", Json::parse(scenery.robots)},
+                       {"scenes", Json::parse(scenery.scenes)}}}};
   write_file(in(folder, "manifest.json"), json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
@@ -145,7 +161,7 @@ Manifest ScriptFiles::manifest(const std::string& script, const std::string& opt
     worlds[utf8(problem.name)] = fmt::format("{:016x}{:016x}", world_hash(*problem.scene), robot_hash(*problem.scene));
   }
   return {std::string(version()),     script, file_hash(script), *files_, worlds, options, shard,
-          experiment_line(experiment)};
+          experiment_line(experiment), scenery_of(experiment)};
 }
 
 RunList::RunList(const std::string& experiment) {
@@ -313,7 +329,7 @@ void write_results(const std::string& folder, const Manifest& manifest,
   FileWriter runs(in(folder, "runs.jsonl"));
   FileWriter document(in(folder, "results.json"));
   FileWriter table(in(folder, "runs.csv"));
-  document.write(runs_document_begin(manifest.script, manifest.experiment));
+  document.write(runs_document_begin(manifest.script, manifest.experiment, manifest.scenery));
   table.write(runs_csv_header());
   bool first = true;
   for (const std::size_t run : cells_of(manifest.experiment, manifest.shard)) {

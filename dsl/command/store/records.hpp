@@ -14,6 +14,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include <trellis/experiment/facts.hpp>
+
 /// The folder of a sweep or of a run: a manifest, and one record a run, which remain when the program is killed.
 namespace trellis {
 struct Experiment;
@@ -55,6 +57,7 @@ struct Manifest {
   std::string options;                        ///< those of the command line that change the runs
   Shard shard;
   std::string experiment;  ///< a result of experiment_line()
+  Scenery scenery;         ///< not compared: `worlds` has its hashes
 
   /// \throws Error that names the file
   static Manifest read(const std::string& folder);

@@ -41,6 +41,9 @@
 #include <trellis/figures/schedule_figures.hpp>
 #include <trellis/figures/trajectory.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/pictures/packed_run.hpp>
+#include <trellis/pictures/scenery.hpp>
+#include <trellis/pictures/stored_samples.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/records.hpp>
@@ -158,9 +161,11 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
 }
 
 /// Writes the output of --out for the finished problems, except the figures of each strategy.
-void write_out(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
+void write_out(const Experiment& experiment, const ExperimentResult& result, ExperimentFacts facts,
                const ExperimentSummary& summary, const RunOptions& options, const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
+  facts.samples = "samples";
+  write_packed_samples(experiment, result, (folder / facts.samples).string());
   write_tables(options.style, options.out, report_markdown(facts, summary));
   write_file((folder / "table.csv").string(), report_csv(facts, summary));
   write_file((folder / "runs.csv").string(), runs_csv(facts));
@@ -168,8 +173,16 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
     write_file((folder / "couplings.csv").string(), couplings);
   }
   write_file((folder / "results.json").string(), report_json(facts, summary));
-  write_html(experiment, result, facts, summary, (folder / "report.html").string());
+  StoredSamples samples((folder / facts.samples).string(), facts);
+  write_html(facts, summary, &samples, (folder / "report.html").string(),
+             {.schedules = schedules_of(experiment, result)});
   write_comparison_figures(cost_data(facts, summary), (folder / "figures").string(), style);
+}
+
+/// Returns a folder as a document names it: relative to the folder of the document.
+std::string from_document(const std::string& folder, const std::string& document) {
+  namespace fs = std::filesystem;
+  return fs::proximate(fs::absolute(folder), fs::absolute(document).parent_path()).generic_string();
 }
 
 /// The options that change the runs or their scores.
@@ -204,7 +217,8 @@ Interrupted interrupted_after(std::size_t problems, const Experiment& experiment
   std::vector<std::string> finished;
   if (problems > 0) {
     const Experiment part = part_of(experiment, 0, problems);
-    const ExperimentFacts facts = facts_of(part, result, options.script);
+    ExperimentFacts facts = facts_of(part, result, options.script);
+    facts.scenery = scenery_of(part);
     write_out(part, result, facts, summarise(facts), options, style);
   }
   for (std::size_t k = 0; k < problems; ++k) finished.push_back(experiment.problems[k].name);
@@ -416,7 +430,9 @@ void write_page(const Experiment& experiment, const ExperimentResult& result, co
                 const ExperimentSummary& summary, const RunOptions& options) {
   Progress progress(!options.quiet);
   const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
-  write_html(experiment, result, facts, summary, options.html, {.progress = show});
+  PackedRuns samples(experiment, result);
+  write_html(facts, summary, &samples, options.html,
+             {.progress = show, .schedules = schedules_of(experiment, result)});
 }
 
 int run(const RunOptions& options) {
@@ -464,7 +480,8 @@ int run(const RunOptions& options) {
   gltf.keep();
   if (resume) tell_unsolved(experiment, result);
 
-  const ExperimentFacts facts = facts_of(experiment, result, options.script);
+  ExperimentFacts facts = facts_of(experiment, result, options.script);
+  facts.scenery = scenery_of(experiment);
   const ExperimentSummary summary = summarise(facts);
   if (resume) {
     Progress progress(!options.quiet);
@@ -478,10 +495,16 @@ int run(const RunOptions& options) {
   writers.attempt(resume && resume->failure(), [&] { throw Error(*resume->failure()); });
   writers.attempt(!options.quiet, [&] { print_report(summary, kind, options.width); });
   if (options.quiet) warn_of_guides(summary);
-  writers.attempt(!options.json.empty(), [&] { write_file(options.json, report_json(facts, summary)); });
+  writers.attempt(!options.json.empty(), [&] {
+    if (!options.samples.empty()) facts.samples = from_document(options.samples, options.json);
+    write_file(options.json, report_json(facts, summary));
+  });
   writers.attempt(!options.csv.empty(), [&] { write_file(options.csv, runs_csv(facts)); });
   writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, facts, summary, options); });
-  writers.attempt(!options.samples.empty(), [&] { write_samples(result, options.samples); });
+  writers.attempt(!options.samples.empty(), [&] {
+    write_samples(result, options.samples);
+    write_packed_samples(experiment, result, options.samples);
+  });
   writers.attempt(!options.figures.empty(), [&] {
     write_all_figures(experiment, result, summary, options.figures, drawing, options.quiet);
     write_comparison_figures(cost_data(facts, summary), options.figures, drawing.style);

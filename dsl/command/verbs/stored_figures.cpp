@@ -21,6 +21,7 @@
 #include <trellis/figures/charts/figures.hpp>
 #include <trellis/figures/charts/pictures.hpp>
 #include <trellis/figures/html.hpp>
+#include <trellis/pictures/stored_samples.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/records.hpp>
@@ -230,7 +231,11 @@ void write_stored_page(const std::vector<std::string>& files, const std::string&
   require_writable_file(file);
   const ExperimentFacts facts = read_document(files.front());
   require_format(facts, files.front());
-  write_file(file, stored_report_html(facts, summarise(facts), files.front()));
+  std::optional<StoredSamples> samples;
+  if (!facts.samples.empty()) {
+    samples.emplace((std::filesystem::path(files.front()).parent_path() / facts.samples).string(), facts);
+  }
+  write_html(facts, summarise(facts), samples ? &*samples : nullptr, file, {.document = files.front()});
 }
 
 }  // namespace trellis::command

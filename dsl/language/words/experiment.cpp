@@ -418,7 +418,10 @@ std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Argument
     strategies.emplace_back(*name, std::move(*strategy));
   };
   table.each([&](std::size_t i, Value element) { faults.attempt([&] { read(i, element); }); });
-  for (const auto& name : keys.names) {
+  std::vector<std::pair<std::uint64_t, std::string>> names;  // in the order in which the script makes the strategies
+  for (const auto& name : keys.names) names.emplace_back(table.field(name).object_number(), name);
+  std::sort(names.begin(), names.end());
+  for (const auto& [number, name] : names) {
     faults.attempt([&] {
       strategies.emplace_back(
           name, read_strategy(fmt::format("{}: strategy '{}'", of, name), table.field(name), table.identity()));
@@ -464,8 +467,8 @@ const Construct& experiment_construct() {
             "lists in the list are opened", true},
            {"strategies", "table<string, trellis.Strategy>|(trellis.Strategy|{ [1]: string, [2]: trellis.Strategy })[]",
             "a table of strategies",
-            "{ name = strategy }, reported in the order of the names, or a list of strategies or of pairs "
-            "{\"name\", strategy}, reported in its order",
+            "{ name = strategy }, reported in the order in which the script makes them, or a list of strategies or of "
+            "pairs {\"name\", strategy}, reported in its order",
             true},
            {"seeds", "integer|integer[]", fmt::format("an integer in [1, {}], or a list of seeds", most_seeds),
             "how many consecutive seeds, or which ones", false, "1"},

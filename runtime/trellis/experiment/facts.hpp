@@ -234,6 +234,13 @@ struct ProblemFacts {
   std::string obstruction = {};
 };
 
+/// The worlds and robots of an experiment, for pictures: arrays of the document, as JSON (docs/formats.md).
+struct Scenery {
+  std::string worlds = "[]";
+  std::string robots = "[]";
+  std::string scenes = "[]";  ///< of each problem its world, its robot, and what its coordinates mean
+};
+
 /// An experiment with its runs, from a process that ran it or from a document of results.
 struct ExperimentFacts {
   int format = 0;           ///< of the document
@@ -256,6 +263,8 @@ struct ExperimentFacts {
   std::vector<LeftOut> left_out;
   std::vector<Uncoupled> uncoupled;
   std::optional<Publication> published;
+  Scenery scenery;
+  std::string samples;  ///< the folder of the packed samples, relative to the document; "" for none
 
   /// Returns the strategy to compare the others with, as baseline_of().
   [[nodiscard]] std::string baseline() const;
@@ -266,8 +275,10 @@ struct ExperimentFacts {
 /// The overview reports more problems than these together, by their single runs.
 inline constexpr std::size_t most_single_problems = 6;
 
-/// The format of the document that this version writes. Documents of another one have no reports.
-inline constexpr int document_format = 3;
+/// The format of the document that this version writes, and the oldest one that has all that reports read: format 4 adds
+/// worlds, robots and samples.
+inline constexpr int document_format = 4;
+inline constexpr int oldest_reported_format = 3;
 
 /// Sets what the object `experiment` of a document has. May throw exceptions of the JSON library.
 void read_experiment(const std::string& line, ExperimentFacts& facts);

@@ -19,8 +19,8 @@
 #include <trellis/base/version.hpp>
 #include <trellis/draw/palette.hpp>
 #include <trellis/draw/text.hpp>
-#include <trellis/figures/base64.hpp>
-#include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/pictures/base64.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>

@@ -16,23 +16,17 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/draw/text.hpp>
-#include <trellis/experiment/experiment.hpp>
 #include <trellis/figures/charts/costs_figures.hpp>
 #include <trellis/figures/charts/figures.hpp>
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/html_parts.hpp>
-#include <trellis/figures/html_run.hpp>
-#include <trellis/figures/schedule_figures.hpp>
-#include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/pictures/packing.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
-#include <trellis/scene/planar/scene.hpp>
-#include <trellis/scene/spatial/scene.hpp>
-#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -438,41 +432,55 @@ struct PackedRun {
   bool thinned = false;
 };
 
-/// Packs a run with all of its samples, or with as many as fit into `most` bytes.
-PackedRun packed_within(const RunResult& run, const Problem& problem, std::size_t most, RobotTable& robots) {
+/// Returns JSON for a <script> element: it contains no '<', whatever its strings are.
+std::string script_text(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      out += "\\u003c";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+std::string script_json(const Json& json) {
+  return script_text(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// Returns a run with all of its samples, or with as many as fit into `most` bytes.
+PackedRun packed_within(const std::string& samples, std::size_t most) {
   constexpr double spare = 0.95;  // the packed size is not exactly proportional to the samples
   constexpr int attempts = 4;
-  std::string text = script_json(packed_run(run, problem, robots));
+  std::string text = script_text(samples);
   if (text.size() <= most) return {std::move(text), false};
+  const Json whole = Json::parse(samples);
   double share = 1.0;
   for (int i = 0; i < attempts && text.size() > most; ++i) {
     share *= spare * static_cast<double>(most) / static_cast<double>(text.size());
-    text = script_json(packed_run(run, problem, robots, share));
+    text = script_json(thinned_run(whole, share));
   }
   return {std::move(text), true};
 }
 
 /// \param most_bytes   for all of them
 /// \param most_of_run  bytes of one run, beyond which it is thinned out
-HeldRuns held_within(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
-                     std::size_t most_bytes, std::size_t most_of_run, RobotTable& robots) {
-  std::map<std::string, const Problem*> problems;
-  for (const auto& problem : experiment.problems) problems.emplace(problem.name, &problem);
-  std::map<std::uint64_t, std::vector<const RunResult*>> by_seed;
-  for (const auto& run : result.runs) {
-    if (problems.contains(run.problem)) by_seed[run.seed].push_back(&run);
-  }
+HeldRuns held_within(const ExperimentFacts& facts, RunSamples& samples, const HtmlOptions& options,
+                     std::size_t most_bytes, std::size_t most_of_run) {
+  std::map<std::uint64_t, std::vector<std::size_t>> by_seed;
+  for (std::size_t i = 0; i < facts.runs.size(); ++i) by_seed[facts.runs[i].seed].push_back(i);
   HeldRuns held;
   std::size_t done = 0;
-  for (const std::uint64_t seed : experiment.seeds) {
+  for (const std::uint64_t seed : facts.seeds) {
     const auto& runs = by_seed[seed];
     std::vector<PackedRun> packed;
     packed.reserve(runs.size());
     std::size_t size = held.scripts.size();
-    for (const RunResult* run : runs) {
-      packed.push_back(packed_within(*run, *problems.at(run->problem), most_of_run, robots));
+    for (const std::size_t run : runs) {
+      packed.push_back(packed_within(samples.run(run), most_of_run));
       size += packed.back().text.size();
-      if (options.progress) options.progress(++done, result.runs.size());
+      if (options.progress) options.progress(++done, facts.runs.size());
     }
     std::vector<std::size_t> order(runs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -485,8 +493,9 @@ HeldRuns held_within(const Experiment& experiment, const ExperimentResult& resul
     }
     for (const std::size_t i : order) {
       if (!all && held.scripts.size() + packed[i].text.size() > most_bytes) break;
+      if (packed[i].text.empty()) continue;
       const std::size_t id = held.ids.size();
-      held.ids.emplace(static_cast<std::size_t>(runs[i] - result.runs.data()), id);
+      held.ids.emplace(runs[i], id);
       held.scripts += script(fmt::format("run-{}", id), packed[i].text);
       if (packed[i].thinned) ++held.thinned;
     }
@@ -501,33 +510,31 @@ HeldRuns held_within(const Experiment& experiment, const ExperimentResult& resul
 
 /// Packs all runs completely if they fit into `most_bytes`. If not, thins long searches, so that no search displaces
 /// other runs.
-HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
-                   std::size_t most_bytes, RobotTable& robots) {
-  HeldRuns whole = held_within(experiment, result, options, most_bytes, most_bytes, robots);
-  if (whole.ids.size() == result.runs.size()) return whole;
+HeldRuns held_runs(const ExperimentFacts& facts, RunSamples& samples, const HtmlOptions& options,
+                   std::size_t most_bytes) {
+  HeldRuns whole = held_within(facts, samples, options, most_bytes, most_bytes);
+  if (whole.ids.size() == facts.runs.size()) return whole;
   constexpr std::size_t least = 20'000;  // bytes; a smaller search shows too little
   constexpr std::size_t seeds = 2;       // the page contains at least these, if `least` permits
   const std::size_t runs_of_seed =
-      std::max<std::size_t>(1, result.runs.size() / std::max<std::size_t>(1, experiment.seeds.size()));
-  return held_within(experiment, result, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)),
-                     robots);
+      std::max<std::size_t>(1, facts.runs.size() / std::max<std::size_t>(1, facts.seeds.size()));
+  return held_within(facts, samples, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)));
 }
 
-std::string held_text(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
-                      std::size_t most_bytes) {
+std::string held_text(const ExperimentFacts& facts, const HeldRuns& held, std::size_t most_bytes) {
   const std::string limit = fmt::format("{:.2g} MB", static_cast<double>(most_bytes) / 1e6);
   std::string text;
-  if (held.ids.size() == result.runs.size()) {
+  if (held.ids.size() == facts.runs.size()) {
     if (held.thinned == 0) return "";
   } else if (held.seeds > 0) {
-    const auto end = experiment.seeds.begin() + static_cast<std::ptrdiff_t>(held.seeds);
+    const auto end = facts.seeds.begin() + static_cast<std::ptrdiff_t>(held.seeds);
     text = fmt::format("This file holds the samples of {}, of {} in all: those of all would take more than {}. ",
-                       seeds_text({experiment.seeds.begin(), end}), experiment.seeds.size(), limit);
+                       seeds_text({facts.seeds.begin(), end}), facts.seeds.size(), limit);
   } else {
     text = fmt::format(
         "This file holds the samples of the {} of {} whose records are smallest, of the first seed: "
         "those of all would take more than {}. ",
-        plural(held.incomplete, "run"), result.runs.size(), limit);
+        plural(held.incomplete, "run"), facts.runs.size(), limit);
   }
   if (held.thinned > 0) {
     text +=
@@ -537,67 +544,37 @@ std::string held_text(const Experiment& experiment, const ExperimentResult& resu
   return R"(<p class="note">)" + escaped(text) + "The tables are of all runs.</p>";
 }
 
-bool is_spatial(const Problem& problem) { return problem.scene && spatial_world(*problem.scene) != nullptr; }
-
-Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds) {
-  Json bounds = nullptr;
-  Json obstacles = Json::array();
-  if (const PlanarScene* scene = problem.scene ? problem.scene->planar() : nullptr) {
-    const Box2& box = scene->world.bounds();
-    bounds = {box.lo.x, box.lo.y, box.hi.x, box.hi.y};
-    for (const auto& obstacle : scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
-  } else if (is_spatial(problem)) {
-    const auto& [lo, hi] = spatial_world(*problem.scene)->bounds();
-    bounds = {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z};
-  }
-  const bool moves = problem.scene && problem.scene->translates();
-  Json json = {{"name", problem.name},
-               {"bounds", std::move(bounds)},
-               {"obstacles", std::move(obstacles)},
-               {"start", problem.start},
-               {"goals", problem.goals},
-               {"position", moves ? Json{0, 1} : Json::array()},
-               {"robot", robots.add(problem.scene.get())}};
-  if (const auto members = problem.scene ? problem.scene->members() : std::vector<TeamMember>(); members.size() > 1) {
-    json["traces"] = traces_json(traces_of(problem));
-    Json team = Json::array();
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      team.push_back(
-          {{"number", members[i].number}, {"axes", members[i].axes}, {"colour", hex(draw::palette::robot(i))}});
+/// Returns the problems as the page's script reads them: a scene, with its world in the plane, start and goals.
+Json problems_json(const ExperimentFacts& facts) {
+  const Json worlds = Json::parse(facts.scenery.worlds);
+  const Json described = Json::parse(facts.description).at("problems");
+  Json problems = Json::array();
+  for (const Json& scene : Json::parse(facts.scenery.scenes)) {
+    const Json& problem = described.at(problems.size());
+    Json one = {{"name", scene.at("problem")}, {"bounds", nullptr}, {"obstacles", Json::array()}};
+    one["start"] = problem.at("start");
+    one["goals"] = Json::array({problem.at("goal")});
+    for (const Json& goal : problem.value("further_goals", Json::array())) one["goals"].push_back(goal);
+    one["position"] = scene.at("position");
+    one["robot"] = scene.at("robot").is_null() ? Json(-1) : scene.at("robot");
+    if (scene.contains("team")) {
+      one["traces"] = scene.at("traces");
+      one["team"] = scene.at("team");
+      for (std::size_t i = 0; i < one["team"].size(); ++i) one["team"][i]["colour"] = hex(draw::palette::robot(i));
     }
-    json["team"] = std::move(team);
-  }
-  if (is_spatial(problem)) {
-    const World3& world = *spatial_world(*problem.scene);
-    const draw::Camera camera = draw::camera_for(drawn(world.bounds().lo), drawn(world.bounds().hi));
-    if (moves) json["position"] = {0, 1, 2};
-    json["world"] = worlds.add(world);
-    json["view"] = {camera.azimuth, camera.elevation};
-  }
-  return json;
-}
-
-/// Of each problem and strategy the picture of when the robots of a team move, "" for none.
-using Schedules = std::vector<std::vector<std::string>>;
-
-/// Of the first run of each strategy that found a path.
-Schedules schedules_of(const Experiment& experiment, const ExperimentResult& result) {
-  Schedules schedules;
-  for (const Problem& problem : experiment.problems) {
-    std::vector<std::string> of;
-    for (const auto& entry : experiment.strategies) {
-      of.emplace_back();
-      for (const RunResult* run : select_runs(result, problem.name, entry.first)) {
-        if (!run->run.solved) continue;
-        auto figure = schedule_figure(problem, run->run.path);
-        if (figure) figure->title += fmt::format(", {}, seed {}", entry.first, run->seed);
-        if (figure) of.back() = draw::plot(*figure).markup("schedule");
-        break;
+    if (!scene.at("world").is_null()) {
+      const Json& world = worlds.at(scene.at("world").get<std::size_t>());
+      one["bounds"] = world.at("bounds");
+      if (world.at("dimension") == 2) {
+        one["obstacles"] = world.at("obstacles");
+      } else {
+        one["world"] = scene.at("world");
+        one["view"] = world.at("view");
       }
     }
-    schedules.push_back(std::move(of));
+    problems.push_back(std::move(one));
   }
-  return schedules;
+  return problems;
 }
 
 /// The table of who needs coordination, "" for no team.
@@ -623,8 +600,7 @@ std::string couplings_table(const StrategySummary& of) {
 }
 
 /// The tables of levels and the figures, of each problem and strategy.
-/// \param schedules  empty: none
-std::string worth_scripts(const ExperimentSummary& experiment, const Schedules& schedules) {
+std::string worth_scripts(const ExperimentSummary& experiment, const PageSchedules& schedules) {
   std::string out;
   for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
     for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
@@ -676,9 +652,14 @@ std::string comparison_scripts(const HtmlContent& content) {
   return out;
 }
 
-/// \param problems  as problem_json() writes them
-std::string data_scripts(const HtmlContent& content, Json problems, const HeldRuns& held, const RobotTable& robots,
-                         const WorldTable& worlds) {
+/// What the page's script draws beside the runs.
+struct PageData {
+  Json problems;       ///< as problems_json() returns them
+  std::string worlds;  ///< JSON, as Scenery::worlds
+  std::string robots;  ///< likewise
+};
+
+std::string data_scripts(const HtmlContent& content, PageData page, const HeldRuns& held) {
   Json strategies = Json::array();
   for (const ExperimentSummary::Strategy& one : content.summary.strategies)
     strategies.push_back({{"name", one.name}, {"text", one.text}});
@@ -707,9 +688,10 @@ std::string data_scripts(const HtmlContent& content, Json problems, const HeldRu
   // Seeds as text: a number in JavaScript has 53 bits.
   Json seeds = Json::array();
   for (const std::uint64_t seed : content.summary.seeds) seeds.push_back(std::to_string(seed));
-  Json data = {{"problems", std::move(problems)}, {"strategies", std::move(strategies)}, {"seeds", std::move(seeds)},
-               {"robots", robots.list()},         {"classes", std::move(classes)},       {"cells", std::move(cells)}};
-  if (!worlds.list().empty()) data["worlds"] = worlds.list();
+  Json data = {{"problems", std::move(page.problems)}, {"strategies", std::move(strategies)},
+               {"seeds", std::move(seeds)},            {"robots", Json::parse(page.robots)},
+               {"classes", std::move(classes)},        {"cells", std::move(cells)}};
+  if (Json worlds = Json::parse(page.worlds); !worlds.empty()) data["worlds"] = std::move(worlds);
   return script("data", script_json(data)) + held.scripts;
 }
 
@@ -777,7 +759,7 @@ struct Tables {
   std::string summary;
   std::string worth;
 };
-Tables tables_of(const HtmlContent& content, const Schedules& schedules) {
+Tables tables_of(const HtmlContent& content, const PageSchedules& schedules) {
   return {summary_table(content) + warnings_html(content.summary),
           worth_scripts(content.summary, schedules) + comparison_scripts(content)};
 }
@@ -798,46 +780,41 @@ std::string page_of(const HtmlContent& content, const Tables& tables, const std:
 
 }  // namespace
 
-std::string report_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
-                        const ExperimentSummary& summary, const HtmlOptions& options) {
+std::string report_html(const ExperimentFacts& facts, const ExperimentSummary& summary, RunSamples* samples,
+                        const HtmlOptions& options) {
   // A page opens within a second up to 5 MB. The runs get the rest of that size.
   constexpr std::size_t most_of_page = 5'000'000;
   constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
   const HtmlParts& parts = html_parts();
   const HtmlContent content = content_of(facts, summary);
-  const Tables tables = tables_of(content, schedules_of(experiment, result));
-  RobotTable robots;
-  WorldTable worlds;
-  const bool in_space = std::any_of(experiment.problems.begin(), experiment.problems.end(), is_spatial);
-  for (const Problem& problem : experiment.problems) {
-    if (is_spatial(problem)) worlds.add(*spatial_world(*problem.scene));
+  const Tables tables = tables_of(content, options.schedules);
+  if (samples == nullptr) {
+    Json problems = Json::array();
+    for (const ProblemSummary& one : summary.problems) problems.push_back({{"name", one.problem}, {"bounds", nullptr}});
+    const std::string note = fmt::format(
+        "This page is made of {}, which has no samples: it replays no run. `trellis run --html` writes a page that "
+        "does, and so does `trellis report` where the runs have stored their samples (--samples, --out).",
+        options.document);
+    return page_of(content, tables, R"(<p class="note">)" + escaped(note) + "</p>",
+                   data_scripts(content, {std::move(problems), "[]", "[]"}, {}));
   }
-  const std::size_t viewer = in_space ? parts.space.size() + worlds.list().dump().size() : 0;
+  PageData data{problems_json(facts), facts.scenery.worlds, ""};
+  const bool in_space =
+      std::any_of(data.problems.begin(), data.problems.end(), [](const Json& one) { return one.contains("world"); });
+  const std::size_t viewer = in_space ? parts.space.size() + data.worlds.size() : 0;
   const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + tables.summary.size() +
-                           tables.worth.size() + bytes_of_outcome * result.runs.size() + viewer;
+                           tables.worth.size() + bytes_of_outcome * facts.runs.size() + viewer;
   const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
-  const HeldRuns held = held_runs(experiment, result, options, most_bytes, robots);
-  Json problems = Json::array();
-  for (const Problem& problem : experiment.problems) problems.push_back(problem_json(problem, robots, worlds));
-  return page_of(content, tables, held_text(experiment, result, held, most_bytes),
-                 data_scripts(content, std::move(problems), held, robots, worlds), in_space);
+  const HeldRuns held = held_runs(facts, *samples, options, most_bytes);
+  data.robots = samples->robots();
+  if (!in_space) data.worlds = "[]";
+  return page_of(content, tables, held_text(facts, held, most_bytes), data_scripts(content, std::move(data), held),
+                 in_space);
 }
 
-std::string stored_report_html(const ExperimentFacts& facts, const ExperimentSummary& summary,
-                               const std::string& file) {
-  const HtmlContent content = content_of(facts, summary);
-  Json problems = Json::array();
-  for (const ProblemSummary& one : summary.problems) problems.push_back({{"name", one.problem}, {"bounds", nullptr}});
-  const std::string note = fmt::format(
-      "This page is made of {}, which has no samples: it replays no run. `trellis run --html` writes a page that does.",
-      file);
-  return page_of(content, tables_of(content, {}), R"(<p class="note">)" + escaped(note) + "</p>",
-                 data_scripts(content, std::move(problems), {}, {}, {}));
-}
-
-void write_html(const Experiment& experiment, const ExperimentResult& result, const ExperimentFacts& facts,
-                const ExperimentSummary& summary, const std::string& path, const HtmlOptions& options) {
-  write_file(path, report_html(experiment, result, facts, summary, options));
+void write_html(const ExperimentFacts& facts, const ExperimentSummary& summary, RunSamples* samples,
+                const std::string& path, const HtmlOptions& options) {
+  write_file(path, report_html(facts, summary, samples, options));
 }
 
 }  // namespace trellis

@@ -242,6 +242,25 @@ std::optional<draw::Figure> schedule_figure(const Problem& problem, const Config
   return figure;
 }
 
+PageSchedules schedules_of(const Experiment& experiment, const ExperimentResult& result) {
+  PageSchedules schedules;
+  for (const Problem& problem : experiment.problems) {
+    std::vector<std::string> of;
+    for (const auto& entry : experiment.strategies) {
+      of.emplace_back();
+      for (const RunResult* run : select_runs(result, problem.name, entry.first)) {
+        if (!run->run.solved) continue;
+        auto figure = schedule_figure(problem, run->run.path);
+        if (figure) figure->title += fmt::format(", {}, seed {}", entry.first, run->seed);
+        if (figure) of.back() = draw::plot(*figure).markup("schedule");
+        break;
+      }
+    }
+    schedules.push_back(std::move(of));
+  }
+  return schedules;
+}
+
 void write_schedule_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
                             const FigureStyle& style) {
   Directories problems;

@@ -10,6 +10,7 @@
 #include <trellis/draw/chart.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/figures/charts/pictures.hpp>
+#include <trellis/figures/html.hpp>
 
 namespace trellis {
 
@@ -37,6 +38,9 @@ ContactRegion contact_region(const Problem& problem, const Configurations& path,
 /// Returns the picture of a team's path: how far each robot is at a time, and the coordination diagrams of the pairs
 /// with the largest regions of contact. None of a problem without a team, or whose robots' spaces are not flat.
 std::optional<draw::Figure> schedule_figure(const Problem& problem, const Configurations& path);
+
+/// Returns schedule_figure() of the first run of each strategy that found a path, for the page.
+PageSchedules schedules_of(const Experiment& experiment, const ExperimentResult& result);
 
 /// Draws schedule_figure() of the first run of each strategy that found a path: DIR/<problem>/<strategy>/schedule.svg,
 /// .png and .pdf. \throws Error where it cannot write a file.

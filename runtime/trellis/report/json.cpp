@@ -356,13 +356,7 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
 }
 
 using json::dump;
-
-/// One entry per line: readable, and line tools can select single runs.
-std::string lines(const std::vector<Json>& entries) {
-  std::string out = "[";
-  for (std::size_t i = 0; i < entries.size(); ++i) out += (i == 0 ? "\n  " : ",\n  ") + dump(entries[i]);
-  return out + (entries.empty() ? "]" : "\n ]");
-}
+using json::lines;
 
 Json cost_json(const CensoredCost& cost) {
   Json out = {{"validity_checks", cost.spent}, {"solved", cost.solved}};
@@ -377,9 +371,12 @@ Json pairs_json(const std::vector<TestedPair>& pairs) {
   return out;
 }
 
-std::string begin_document(const std::string& version, const std::string& script, const std::string& experiment) {
+std::string begin_document(const std::string& version, const std::string& script, const std::string& experiment,
+                           const Scenery& scenery, const std::string& samples) {
   return "{\n \"trellis\": " + dump({{"version", version}, {"format", document_format}}) +
-         ",\n \"script\": " + dump(script) + ",\n \"experiment\": " + experiment + ",\n";
+         ",\n \"script\": " + dump(script) + ",\n \"experiment\": " + experiment +
+         ",\n \"worlds\": " + scenery.worlds + ",\n \"robots\": " + scenery.robots +
+         ",\n \"scenes\": " + scenery.scenes + ",\n \"samples\": " + dump(text_or_null(samples)) + ",\n";
 }
 
 }  // namespace
@@ -423,7 +420,8 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
     if (!one.obstruction.empty()) obstructions.push_back({{"problem", one.name}, {"text", one.obstruction}});
   }
 
-  std::string out = begin_document(summary.version, summary.script, experiment.description);
+  std::string out = begin_document(summary.version, summary.script, experiment.description, experiment.scenery,
+                                   experiment.samples);
   out += " \"runs\": " + lines(runs) + ",\n";
   out += " \"pooled\": " + lines(pooled) + ",\n";
   out += " \"left_out\": " + lines(left_out) + ",\n";
@@ -442,8 +440,8 @@ std::string estimate_line(const Estimate& estimate, const Efficiency& of) { retu
 
 std::string run_line(const RunFacts& run) { return dump(json::run(run)); }
 
-std::string runs_document_begin(const std::string& script, const std::string& experiment) {
-  return begin_document(std::string(version()), script, experiment) + " \"runs\": [";
+std::string runs_document_begin(const std::string& script, const std::string& experiment, const Scenery& scenery) {
+  return begin_document(std::string(version()), script, experiment, scenery, "") + " \"runs\": [";
 }
 
 std::string runs_document_run(const std::string& line, bool first) { return (first ? "\n  " : ",\n  ") + line; }

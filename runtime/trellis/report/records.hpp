@@ -34,7 +34,8 @@ void require_format(const ExperimentFacts& facts, const std::string& file);
 /// are empty.
 /// \param script      the path as given on the command line
 /// \param experiment  a result of experiment_line()
-std::string runs_document_begin(const std::string& script, const std::string& experiment);
+/// \param scenery     a result of scenery_of()
+std::string runs_document_begin(const std::string& script, const std::string& experiment, const Scenery& scenery);
 /// \param line   a result of run_line()
 /// \param first  whether it is the first run
 std::string runs_document_run(const std::string& line, bool first);

@@ -558,4 +558,10 @@ RunFacts read_run(const Json& json) {
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+std::string lines(const Json::array_t& entries) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < entries.size(); ++i) out += (i == 0 ? "\n  " : ",\n  ") + dump(entries[i]);
+  return out + (entries.empty() ? "]" : "\n ]");
+}
+
 }  // namespace trellis::json

@@ -47,5 +47,7 @@ Json resolves(const Resolves& resolves);
 
 /// Returns the JSON in one line; bytes of names that are not UTF-8 become U+FFFD.
 std::string dump(const Json& json);
+/// Returns an array with one entry to a line: readable, and tools of lines can select one.
+std::string lines(const Json::array_t& entries);
 
 }  // namespace trellis::json

@@ -76,6 +76,12 @@ void read_document(const Json& document, ExperimentFacts& facts) {
   facts.format = trellis.value("format", 1);
   facts.script = document.value("script", "");
   read_experiment(json::dump(document.at("experiment")), facts);
+  // Missing in documents of before.
+  for (const auto& [name, text] : {std::pair{"worlds", &facts.scenery.worlds}, std::pair{"robots", &facts.scenery.robots},
+                                   std::pair{"scenes", &facts.scenery.scenes}}) {
+    if (document.contains(name)) *text = json::lines(document.at(name).get_ref<const Json::array_t&>());
+  }
+  if (const Json samples = document.value("samples", Json()); samples.is_string()) samples.get_to(facts.samples);
   for (const Json& one : document.value("obstructions", Json::array())) {
     for (ProblemFacts& problem : facts.problems) {
       if (problem.name == one.at("problem")) problem.obstruction = one.at("text").get<std::string>();
@@ -122,11 +128,11 @@ ExperimentFacts read_results(const std::string& document, const std::string& fil
 }
 
 void require_format(const ExperimentFacts& facts, const std::string& file) {
-  if (facts.format == document_format) return;
+  if (facts.format >= oldest_reported_format && facts.format <= document_format) return;
   throw Error(
-      fmt::format("{}: trellis {} wrote this document in format {}, this version reads reports of format {}; `trellis "
+      fmt::format("{}: trellis {} wrote this document in format {}, this version makes reports of {} to {}; `trellis "
                   "compare` and `verify` read it",
-                  file, facts.version, facts.format, document_format));
+                  file, facts.version, facts.format, oldest_reported_format, document_format));
 }
 
 RunFacts read_run(const std::string& line) {

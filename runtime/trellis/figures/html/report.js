@@ -396,7 +396,7 @@ function drawSolids(problem, robots) {
     const picture = new space3.Picture(frame.width, frame.height, sharp);
     const place = p => { const [x, y, depth] = frame.project(...p); return [x * sharp, y * sharp, depth]; };
     const base = rgb(colours.obstacle), edge = rgb(colours['obstacle-edge']);
-    for (const part of partsOf(data.worlds[problem.world])) {
+    for (const part of partsOf(data.worlds[problem.world].surfaces)) {
       if (!space3.closesView(part, frame.b, frame.camera.to)) picture.surface(part, frame, place, base, edge, { obstacle: true, dark: 0.72, bias: frame.bias });
     }
     for (const [robot, q, colour] of robots) {

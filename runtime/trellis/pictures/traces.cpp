@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/figures/traces.hpp>
+#include <trellis/pictures/traces.hpp>
 
 #include <algorithm>
 #include <numeric>

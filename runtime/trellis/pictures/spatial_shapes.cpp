@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/visit.hpp>
 

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <trellis/experiment/facts.hpp>
+#include <trellis/pictures/run_samples.hpp>
+
+namespace trellis {
+
+/// The samples that write_packed_samples() stored.
+class StoredSamples : public RunSamples {
+ public:
+  /// \param folder  with index.json
+  /// \param facts   the results whose runs they are
+  /// \throws Error where the index cannot be read
+  StoredSamples(std::string folder, const ExperimentFacts& facts);
+
+  /// \throws Error where the run's file cannot be read
+  std::string run(std::size_t run) override;
+  std::string robots() override { return robots_; }
+
+ private:
+  std::string folder_;
+  std::string robots_;
+  std::vector<std::string> files_;  ///< of each run, "" for none
+};
+
+}  // namespace trellis
