@@ -147,6 +147,7 @@ ExperimentSummary summarise(const ExperimentFacts& experiment) {
   if (experiment.problems.size() > 1) {
     summary.together = summarise_problem(experiment, "", guide_verdicts(experiment, true), compare(experiment, true));
   }
+  summary.answer = answer_of(experiment, summary);
   return summary;
 }
 
@@ -181,8 +182,7 @@ std::vector<std::string> guide_warnings(const std::vector<StrategyFacts>& strate
     // Proposals in a thin tube may have less spread than uniform ones and still save most checks: judge by the nodes.
     if (const AboveUniform above = headline(levels.front(), SampleRole::tree).above; above.hi < 0.0) {
       warnings.push_back(
-          fmt::format("{}'s nodes cover the target less well than uniform samples: {} nats above uniform", name,
-                      ends_text(above.lo, above.hi)));
+          fmt::format("{}'s nodes cover the target less well than uniform samples: --report efficiency", name));
     }
   }
   return warnings;

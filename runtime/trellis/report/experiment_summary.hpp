@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/report/answer.hpp>
 #include <trellis/report/couplings.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/verdict.hpp>
@@ -55,6 +56,7 @@ struct ExperimentSummary {
   std::string omitted;
   std::vector<ProblemSummary> problems;
   std::optional<ProblemSummary> together;  ///< none for a single problem
+  Answer answer;                           ///< what reports say first
 
   /// The problems that printed reports list: one by one up to `most_single_problems`, else all together.
   [[nodiscard]] std::vector<const ProblemSummary*> listed() const;

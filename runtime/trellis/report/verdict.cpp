@@ -34,26 +34,12 @@ Interval difference(const Interval& a, const Interval& b) {
 
 using Ratios = std::vector<RatioBracket>;
 
-/// The ratios of a strategy to another one of the experiment on a problem, by seed.
-Ratios ratios_of_runs(const ExperimentFacts& experiment, const std::string& problem, const std::string& strategy,
-                      const std::string& reference) {
-  const auto with = experiment.select(problem, strategy);
-  const auto without = experiment.select(problem, reference);
-  Ratios ratios;
-  for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i) {
-    ratios.push_back(ratio_bracket(path_cost(*with[i]), path_cost(*without[i])));
-  }
-  return ratios;
-}
-
-/// The ratios with to without a guide on a problem: those from runs of the experiment, then the others.
+/// The ratios with to without a guide on a problem.
 Ratios ratios_of_guide(const ExperimentFacts& experiment, const std::string& problem, const std::string& strategy,
                        const GuideFacts& guide) {
   Ratios ratios;
-  if (!guide.equal.empty()) ratios = ratios_of_runs(experiment, problem, strategy, guide.equal);
-  for (const LeftOut& left_out : experiment.left_out) {
-    if (left_out.problem != problem || left_out.strategy != strategy || left_out.key != guide.key) continue;
-    for (const TestedPair& pair : left_out.pairs) ratios.push_back(ratio_bracket(pair.with, pair.without));
+  for (const TestedPair& pair : pairs_of_guide(experiment, problem, strategy, guide)) {
+    ratios.push_back(ratio_bracket(pair.with, pair.without));
   }
   return ratios;
 }
@@ -68,11 +54,6 @@ std::string interval_words(const RatioBracket& interval) {
   return fmt::format(" [{}, {}]", ratio_word(interval.lo), ratio_word(interval.hi));
 }
 
-RatioBracket inverse(const RatioBracket& ratio) {
-  const auto of = [](double x) { return x > 0.0 ? 1.0 / x : std::numeric_limits<double>::infinity(); };
-  return {of(ratio.hi), of(ratio.lo)};
-}
-
 /// Decides the guides of a strategy on a problem or, with "", on all problems together.
 void decide_guides(const ExperimentFacts& experiment, const std::string& problem, const StrategyFacts& strategy,
                    std::vector<GuideVerdict>& found) {
@@ -84,13 +65,11 @@ void decide_guides(const ExperimentFacts& experiment, const std::string& problem
   for (const ProblemFacts& one : experiment.problems) {
     if (!together && one.name != problem) continue;
     const auto of_strategy = experiment.select(one.name, strategy.name);
-    const auto with_guides = static_cast<std::size_t>(std::count_if(
-        of_strategy.begin(), of_strategy.end(), [](const RunFacts* run) { return sets_up_guides(*run); }));
     runs += of_strategy.size();
-    set_up += with_guides;
+    set_up += static_cast<std::size_t>(std::count_if(of_strategy.begin(), of_strategy.end(),
+                                                     [](const RunFacts* run) { return sets_up_guides(*run); }));
     unsolved =
         unsolved && std::none_of(of_strategy.begin(), of_strategy.end(), [](const auto* run) { return run->solved; });
-    if (with_guides == 0) continue;
     for (std::size_t i = 0; i < ratios.size(); ++i) {
       const Ratios further = ratios_of_guide(experiment, one.name, strategy.name, strategy.guides[i]);
       ratios[i].insert(ratios[i].end(), further.begin(), further.end());
@@ -164,6 +143,35 @@ bool has_level(const RunsSummary& summary, const std::string& key) {
 
 }  // namespace
 
+RatioBracket inverse(const RatioBracket& ratio) {
+  const auto of = [](double x) { return x > 0.0 ? 1.0 / x : std::numeric_limits<double>::infinity(); };
+  return {of(ratio.hi), of(ratio.lo)};
+}
+
+std::vector<TestedPair> pairs_of_runs(const ExperimentFacts& experiment, const std::string& problem,
+                                      const std::string& strategy, const std::string& reference) {
+  const auto with = experiment.select(problem, strategy);
+  const auto without = experiment.select(problem, reference);
+  std::vector<TestedPair> pairs;
+  for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i) {
+    pairs.push_back({with[i]->seed, path_cost(*with[i]), path_cost(*without[i])});
+  }
+  return pairs;
+}
+
+std::vector<TestedPair> pairs_of_guide(const ExperimentFacts& experiment, const std::string& problem,
+                                       const std::string& strategy, const GuideFacts& guide) {
+  const auto runs = experiment.select(problem, strategy);
+  if (std::none_of(runs.begin(), runs.end(), [](const RunFacts* run) { return sets_up_guides(*run); })) return {};
+  std::vector<TestedPair> pairs;
+  if (!guide.equal.empty()) pairs = pairs_of_runs(experiment, problem, strategy, guide.equal);
+  for (const LeftOut& left_out : experiment.left_out) {
+    if (left_out.problem != problem || left_out.strategy != strategy || left_out.key != guide.key) continue;
+    pairs.insert(pairs.end(), left_out.pairs.begin(), left_out.pairs.end());
+  }
+  return pairs;
+}
+
 std::string ratio_word(double ratio) {
   if (!std::isfinite(ratio)) return "inf";
   if (ratio >= 99.5) return fmt::format("{:.0f}", ratio);
@@ -226,8 +234,8 @@ std::string verdict_text_without(const Verdict& verdict) {
 
 std::string verdicts_note() {
   return fmt::format(
-      "verdicts: at most {:g} % wrong verdicts for each strategy in each problem, however many seeds are added; "
-      "intervals of {:g} %",
+      "verdicts: at most {:g} % wrong verdicts for each strategy, and as many for its guides, in each problem, however "
+      "many seeds are added; intervals of {:g} %",
       100.0 * sequential_error, 100.0 * (1.0 - sequential_error));
 }
 
@@ -279,6 +287,22 @@ std::vector<GuideVerdict> guide_verdicts(const ExperimentFacts& experiment, bool
   return found;
 }
 
+std::optional<Verdict> strategy_verdict(const ExperimentFacts& experiment, const std::string& problem,
+                                        const std::string& strategy, const std::string& reference) {
+  std::vector<Ratios> ratios(1);
+  for (const ProblemFacts& one : experiment.problems) {
+    if (!problem.empty() && one.name != problem) continue;
+    for (const TestedPair& pair : pairs_of_runs(experiment, one.name, strategy, reference)) {
+      ratios[0].push_back(ratio_bracket(pair.with, pair.without));
+    }
+  }
+  if (ratios[0].empty()) return std::nullopt;
+  Verdict verdict = verdict_of(decide_in_rounds(ratios)[0], ratios[0], 1, 1);
+  verdict.together = problem.empty() && experiment.problems.size() > 1;
+  if (verdict.together) verdict.pairs_needed = 0;
+  return verdict;
+}
+
 std::optional<WholeVerdict> whole_verdict(const ExperimentFacts& experiment, const std::string& problem,
                                           const std::string& strategy) {
   const auto named = [&](const std::string& name) {
@@ -293,16 +317,9 @@ std::optional<WholeVerdict> whole_verdict(const ExperimentFacts& experiment, con
                                   [&](const StrategyFacts& one) { return one.text == planner; });
   const StrategyFacts* reference = alone != experiment.strategies.end() ? &*alone : named(experiment.baseline());
   if (reference == nullptr || reference->guided) return std::nullopt;
-  std::vector<Ratios> ratios(1);
-  for (const ProblemFacts& one : experiment.problems) {
-    if (!problem.empty() && one.name != problem) continue;
-    const Ratios further = ratios_of_runs(experiment, one.name, strategy, reference->name);
-    ratios[0].insert(ratios[0].end(), further.begin(), further.end());
-  }
-  if (ratios[0].empty()) return std::nullopt;
-  WholeVerdict found{reference->name, verdict_of(decide_in_rounds(ratios)[0], ratios[0], 1, 1)};
-  found.verdict.together = problem.empty() && experiment.problems.size() > 1;
-  return found;
+  std::optional<Verdict> verdict = strategy_verdict(experiment, problem, strategy, reference->name);
+  if (!verdict) return std::nullopt;
+  return WholeVerdict{reference->name, *std::move(verdict)};
 }
 
 std::vector<Verdict> level_verdicts(const std::vector<GuideVerdict>& found, const std::string& problem,

@@ -79,6 +79,22 @@ std::string verdicts_note();
 /// of sequential tests, see `decide`; on all problems together their pairs are counted together.
 std::vector<GuideVerdict> guide_verdicts(const ExperimentFacts& experiment, bool together);
 
+/// Returns 1 / ratio; 0 becomes infinity.
+RatioBracket inverse(const RatioBracket& ratio);
+
+/// Returns the costs of a strategy and of another one of the experiment on a problem, by seed.
+std::vector<TestedPair> pairs_of_runs(const ExperimentFacts& experiment, const std::string& problem,
+                                      const std::string& strategy, const std::string& reference);
+/// Returns the costs of a strategy with and without a guide on a problem: those of runs of the experiment, then the
+/// others. None where no run sets up the guides.
+std::vector<TestedPair> pairs_of_guide(const ExperimentFacts& experiment, const std::string& problem,
+                                       const std::string& strategy, const GuideFacts& guide);
+
+/// Returns the verdict on a strategy against another one on a problem or, with "", on all problems together. It is a
+/// test of its own, at 5 %. None without pairs of runs.
+std::optional<Verdict> strategy_verdict(const ExperimentFacts& experiment, const std::string& problem,
+                                        const std::string& strategy, const std::string& reference);
+
 /// Returns the verdict on all guides of a strategy on a problem or, with "", on all: against its planner alone, else
 /// the baseline, where one of these is a strategy of the experiment without guides. None with fewer than two guides.
 std::optional<WholeVerdict> whole_verdict(const ExperimentFacts& experiment, const std::string& problem,

@@ -24,6 +24,26 @@ std::string count_text(double x) {
   return fixed(x, x < 100 && x != std::floor(x) ? 1 : 0);
 }
 
+std::string thousands(double x) {
+  if (std::isnan(x)) return "–";
+  if (std::isinf(x)) return x > 0.0 ? "∞" : "-∞";
+  std::string text = fixed(x, 0);
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  for (std::size_t at = text.size(); at > sign + 3;) text.insert(at -= 3, ",");
+  return text;
+}
+
+std::string two_figures(double x) {
+  if (std::isnan(x) || std::isinf(x)) return thousands(x);
+  if (x == 0.0) return "0";
+  // 0.995 has the magnitude of 1.0, to which it is rounded.
+  const auto magnitude = [](double y) { return static_cast<int>(std::floor(std::log10(std::abs(y)))); };
+  const double unit = std::pow(10.0, magnitude(x) - 1);
+  const double rounded = std::round(x / unit) * unit;
+  const int decimals = 1 - magnitude(rounded * (1.0 + 1e-12));
+  return decimals > 0 ? fixed(rounded, decimals) : thousands(rounded);
+}
+
 int decimals_for(double largest) {
   if (!std::isfinite(largest) || largest >= 1000) return 0;
   return largest >= 100 ? 1 : (largest >= 1 ? 2 : 3);

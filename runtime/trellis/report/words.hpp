@@ -21,6 +21,10 @@ int decimals_for(double largest);
 std::string percent(double share);
 /// The share of functions in Lua in per cent: "" for none, "<1" for one that would be rounded to 0.
 std::string lua_share_text(double share);
+/// Two figures, never an exponent: "0.022", "0.41", "8.4", "94", "1,200"; "∞", "–" for a missing value.
+std::string two_figures(double x);
+/// A whole number with separators: "51,823"; "∞", "–" for a missing value.
+std::string thousands(double x);
 /// "1.23 ±0.08", "1.23" without an interval, "-" for a missing value.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
 /// "-0.42…+1.20", the ends of an interval; one number where they print the same.
