@@ -31,8 +31,8 @@
 
 #include <dsl/language/tools/session.hpp>
 #include <trellis/collision/checker.hpp>
-#include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/space/nearest.hpp>

@@ -81,6 +81,7 @@ std::map<std::string, Shown> perform(const Place& place, const std::vector<Step>
   }
   page.insert(page.rfind("</body>"), R"(<script>
 (async () => {
+  document.getElementById('fold-runs').open = true;
   const view = document.getElementById('viewer'), all = {}, wait = ms => new Promise(done => setTimeout(done, ms));
   const press = (...keys) => { for (const key of keys) document.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); };
   const canvasWidth = id => document.getElementById(id).clientWidth;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/pictures/base64.hpp>
 #include <trellis/figures/gltf.hpp>
+#include <trellis/pictures/base64.hpp>
 #include <trellis/reader/robot_files.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>

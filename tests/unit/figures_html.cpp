@@ -434,7 +434,7 @@ TEST_CASE("the page warns as the printed report does, and says why levels were s
   result.runs[16].levels[2].record.resolves.rejections = 2;
   const std::string html = fixture::report_html(experiment, result, "");
   CHECK(fault(html).empty());
-  const std::size_t list = html.find("<ul id=\"warnings\"");
+  const std::size_t list = html.find("<div class=\"notes\">");
   REQUIRE(list != std::string::npos);
   CHECK(html.find("warning: nested costs more validity checks than rrt", list) != std::string::npos);
   CHECK(html.find("rrt: 1 unsolved", list) != std::string::npos);
@@ -466,7 +466,7 @@ TEST_CASE("the page of problems in space has their triangles, positions of three
   REQUIRE(data["worlds"].size() == 1);
   const Json& world = data["worlds"][problem["world"].get<std::size_t>()];
   // Of each obstacle the numbers of vertices, triangles and edges, and whether it is closed.
-  const auto parts = numbers(world["parts"]);
+  const auto parts = numbers(world["surfaces"]["parts"]);
   REQUIRE(parts.size() == 4 * 6);
   CHECK(parts[0] == 8);
   CHECK(parts[1] == 12);
@@ -478,8 +478,8 @@ TEST_CASE("the page of problems in space has their triangles, positions of three
     vertices += parts[i];
     triangles += parts[i + 1];
   }
-  CHECK(bytes(world["vertices"]).size() == 12 * vertices);
-  CHECK(numbers(world["triangles"]).size() == 3 * triangles);
+  CHECK(bytes(world["surfaces"]["vertices"]).size() == 12 * vertices);
+  CHECK(numbers(world["surfaces"]["triangles"]).size() == 3 * triangles);
 
   // The nested run: the robots of its levels, and their configurations within the steps of 16 bits.
   const Json run_json = Json::parse(script(html, "run-1"));

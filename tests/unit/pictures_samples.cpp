@@ -55,7 +55,8 @@ TEST_CASE("problems of one world and robot share them in the scenery", "[picture
   REQUIRE(scenes.size() == 3);
   CHECK(scenes[0]["world"] == scenes[1]["world"]);
   CHECK(scenes[2]["world"] != scenes[0]["world"]);
-  CHECK(worlds[scenes[2]["world"].get<std::size_t>()]["obstacles"] == Json::parse("[[4.0,0.0,6.0,0.0,6.0,4.0,4.0,4.0]]"));
+  CHECK(worlds[scenes[2]["world"].get<std::size_t>()]["obstacles"] ==
+        Json::parse("[[4.0,0.0,6.0,0.0,6.0,4.0,4.0,4.0]]"));
   CHECK(scenes[0]["position"] == Json::parse("[0,1]"));
   CHECK(scenes[0]["axes"].size() == experiment.problems[0].space.dimension());
   CHECK(Json::parse(scenery.robots)[scenes[0]["robot"].get<std::size_t>()]["kind"] == "planar");
@@ -65,7 +66,7 @@ TEST_CASE("stored samples are those in memory, for every run", "[pictures]") {
   const Experiment experiment = nested_and_plain();
   const ExperimentResult result = run(experiment);
   const ExperimentFacts facts = facts_of(experiment, result);
-  const test::Folder folder("packed");
+  const test::Folder folder;
   write_packed_samples(experiment, result, folder.path().string());
   StoredSamples stored(folder.path().string(), facts);
   PackedRuns packed(experiment, result);

@@ -103,7 +103,7 @@ TEST_CASE("a document of runs alone has the reports of its runs", "[report][json
   experiment.measure.reset();
   experiment.ablation = 0.0;
   const ExperimentFacts facts = facts_of(experiment, run(experiment));
-  std::string document = runs_document_begin("", facts.description);
+  std::string document = runs_document_begin("", facts.description, facts.scenery);
   for (std::size_t i = 0; i < facts.runs.size(); ++i) document += runs_document_run(run_line(facts.runs[i]), i == 0);
   const ExperimentFacts read = read_results(document + runs_document_end(true), "results.json");
   REQUIRE(read.runs.size() == facts.runs.size());

@@ -119,11 +119,16 @@ Manifest Manifest::read(const std::string& folder) {
 bool Manifest::exists(const std::string& folder) { return std::filesystem::exists(in(folder, "manifest.json")); }
 
 void Manifest::write(const std::string& folder) const {
-  const Json json = {{"version", version},         {"script", script},
-                     {"script_hash", script_hash}, {"files", files},
-                     {"worlds", worlds},           {"options", options},
-                     {"shard", shard.text()},      {"experiment", Json::parse(experiment)},
-                     {"commit", commit()},         {"machine", machine()},
+  const Json json = {{"version", version},
+                     {"script", script},
+                     {"script_hash", script_hash},
+                     {"files", files},
+                     {"worlds", worlds},
+                     {"options", options},
+                     {"shard", shard.text()},
+                     {"experiment", Json::parse(experiment)},
+                     {"commit", commit()},
+                     {"machine", machine()},
                      {"scenery",
                       {{"worlds", Json::parse(scenery.worlds)},
                        {"robots", Json::parse(scenery.robots)},
@@ -160,8 +165,9 @@ Manifest ScriptFiles::manifest(const std::string& script, const std::string& opt
   for (const Problem& problem : experiment.problems) {
     worlds[utf8(problem.name)] = fmt::format("{:016x}{:016x}", world_hash(*problem.scene), robot_hash(*problem.scene));
   }
-  return {std::string(version()),     script, file_hash(script), *files_, worlds, options, shard,
-          experiment_line(experiment), scenery_of(experiment)};
+  return {
+      std::string(version()), script, file_hash(script), *files_, worlds, options, shard, experiment_line(experiment),
+      scenery_of(experiment)};
 }
 
 RunList::RunList(const std::string& experiment) {

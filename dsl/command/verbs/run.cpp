@@ -431,8 +431,7 @@ void write_page(const Experiment& experiment, const ExperimentResult& result, co
   Progress progress(!options.quiet);
   const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
   PackedRuns samples(experiment, result);
-  write_html(facts, summary, &samples, options.html,
-             {.progress = show, .schedules = schedules_of(experiment, result)});
+  write_html(facts, summary, &samples, options.html, {.progress = show, .schedules = schedules_of(experiment, result)});
 }
 
 int run(const RunOptions& options) {

@@ -25,9 +25,9 @@
 #include <trellis/draw/planar.hpp>
 #include <trellis/draw/spatial.hpp>
 #include <trellis/figures/gltf.hpp>
-#include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/instance/resolve_goal.hpp>
+#include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/reader/mesh_file.hpp>
 #include <trellis/reader/readers.hpp>
 #include <trellis/report/report.hpp>

@@ -275,8 +275,8 @@ struct ExperimentFacts {
 /// The overview reports more problems than these together, by their single runs.
 inline constexpr std::size_t most_single_problems = 6;
 
-/// The format of the document that this version writes, and the oldest one that has all that reports read: format 4 adds
-/// worlds, robots and samples.
+/// The format of the document that this version writes, and the oldest one that has all that reports read: format 4
+/// adds worlds, robots and samples.
 inline constexpr int document_format = 4;
 inline constexpr int oldest_reported_format = 3;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -21,6 +22,7 @@
 #include <trellis/figures/html.hpp>
 #include <trellis/figures/html_parts.hpp>
 #include <trellis/pictures/packing.hpp>
+#include <trellis/report/answer.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
@@ -310,21 +312,173 @@ std::string summary_table(const HtmlContent& content) {
                      experiment.measured ? nats_notes(content, shown.pooled) : "", marks.text());
 }
 
-/// Returns the warnings of the printed report: why runs found no path, and guides that perform worse than no guide.
-std::string warnings_html(const ExperimentSummary& experiment) {
-  std::string items;
-  for (const ProblemSummary& problem : experiment.problems) {
-    const auto add = [&](const std::string& text) {
-      const bool several = experiment.problems.size() > 1;
-      items += fmt::format("<li>{}{}</li>\n", several ? escaped(problem.problem) + ": " : "", escaped(text));
-    };
-    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
-      const StrategySummary& one = problem.strategies[s];
-      if (experiment.strategies[s].ablation.empty() && !one.unsolved.empty()) add(one.strategy + ": " + one.unsolved);
-    }
-    for (const std::string& warning : problem.warnings) add("warning: " + warning);
+// The answer
+// ---------------------------------------------------------------------------------------------------------------
+
+/// Returns a number of the script's order of strategies or problems.
+template <class List, class Name>
+std::size_t place_of(const List& list, const Name& is) {
+  return static_cast<std::size_t>(std::find_if(list.begin(), list.end(), is) - list.begin());
+}
+std::size_t strategy_place(const HtmlContent& content, const std::string& name) {
+  return place_of(content.summary.strategies, [&](const auto& one) { return one.name == name; });
+}
+std::size_t problem_place(const HtmlContent& content, const std::string& name) {
+  const std::size_t place = place_of(content.summary.problems, [&](const auto& one) { return one.problem == name; });
+  return place < content.summary.problems.size() ? place : 0;
+}
+
+/// Returns the name of a strategy as a button that shows a run of it.
+/// \param problem  "": the first one
+std::string run_button(const HtmlContent& content, const std::string& problem, const std::string& strategy,
+                       const std::string& text) {
+  const std::size_t s = strategy_place(content, strategy);
+  if (s >= content.summary.strategies.size()) return escaped(text);
+  return fmt::format(R"(<button type="button" class="link" data-cell="{}-{}">{}</button>)",
+                     problem_place(content, problem), s, escaped(text));
+}
+
+std::string verdict_html(const AnswerVerdict& verdict) {
+  if (verdict.kind == AnswerVerdict::Kind::none) return "";
+  constexpr std::array<const char*, 5> classes = {"", "good", "bad", "small", "open"};
+  return fmt::format(R"(<span class="{}">{}</span>{})", classes.at(static_cast<std::size_t>(verdict.kind)),
+                     escaped(verdict.word),
+                     verdict.more.empty() ? "" : " <small>" + escaped(verdict.more) + "</small>");
+}
+
+std::string bar_colour(const CostData& data, const std::string& strategy) {
+  if (strategy == data.baseline) return "var(--muted)";
+  const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
+                                  [&](const CostData::Strategy& one) { return one.name == strategy; });
+  if (found == data.strategies.end()) return "var(--muted)";
+  return hex(strategy_colour(data, data.baseline, static_cast<std::size_t>(found - data.strategies.begin())));
+}
+
+/// The strategies, and below each the same without each of its guides.
+std::string answer_rows(const HtmlContent& content, const AnswerTable& table) {
+  const double most = table.most_checks();
+  std::string body;
+  for (const AnswerRow& row : table.rows) {
+    const bool known = most > 0.0 && !std::isnan(row.checks.lo);
+    const double full = known ? std::min(1.0, std::isfinite(row.checks.lo) ? row.checks.lo / most : 1.0) : 0.0;
+    const std::string name =
+        row.indent > 0 ? escaped(row.label) : run_button(content, table.problem, row.strategy, row.label);
+    const std::string interval = row.interval_text();
+    body += fmt::format(
+        R"(<tr{}><th scope="row">{}</th><td>{}</td><td class="bar"><i{} style="width:{:.1f}%;background:{}"></i></td>)"
+        R"(<td class="ratio">{}{}</td><td class="verdict">{}</td><td class="wide">{}</td><td class="wide">{}</td>)"
+        R"(<td class="wide">{}</td></tr>)"
+        "\n",
+        row.indent > 0 ? R"( class="sub")" : "", name, escaped(row.checks_text()),
+        std::isinf(row.checks.lo) ? R"( class="none")" : "", 100.0 * full, bar_colour(content.costs, row.strategy),
+        row.ratio ? "× " + escaped(row.ratio_text()) : "",
+        interval.empty() ? "" : " <small>" + escaped(interval) + "</small>", verdict_html(row.verdict),
+        escaped(row.solved_text()), escaped(row.ms_text()), escaped(row.length_text()));
   }
-  return items.empty() ? "" : "<ul id=\"warnings\" class=\"note\">\n" + items + "</ul>\n";
+  return fmt::format(
+      "<table class=\"answer rows\"><thead><tr><th></th><th scope=\"col\">checks</th><th></th><th scope=\"col\" "
+      "class=\"left\">ratio <small>[95 %]</small></th><th></th><th scope=\"col\" class=\"wide\">solved</th><th "
+      "scope=\"col\" class=\"wide\">ms</th><th scope=\"col\" class=\"wide\">path, m</th></tr></thead>\n<tbody>\n"
+      "{}</tbody></table>\n",
+      body);
+}
+
+/// The ratios of several problems.
+std::string answer_matrix(const HtmlContent& content, const AnswerMatrix& matrix) {
+  std::string head = "<tr><th></th>";
+  for (const std::string& problem : matrix.problems) head += "<th scope=\"col\">" + escaped(problem) + "</th>";
+  std::string body = fmt::format(R"(<tr><th scope="row">{}, checks</th>)", escaped(matrix.reference));
+  for (const std::string& checks : matrix.checks) body += "<td>" + escaped(checks) + "</td>";
+  body += "<td></td></tr>\n";
+  const auto add = [&](const std::string& title, const std::vector<AnswerMatrix::Line>& lines) {
+    if (lines.empty()) return;
+    body += fmt::format("<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{}</th></tr>\n",
+                        matrix.problems.size() + 2, escaped(title));
+    for (const AnswerMatrix::Line& line : lines) {
+      body +=
+          fmt::format(R"(<tr><th scope="row">{}</th>)",
+                      line.guide.empty() ? run_button(content, "", line.strategy, line.label) : escaped(line.label));
+      for (const AnswerMatrix::Cell& one : line.cells) {
+        body += fmt::format(R"(<td{}>{}</td>)", one.shown ? "" : R"( class="open")", escaped(one.text()));
+      }
+      body += fmt::format("<td class=\"verdict\">{}</td></tr>\n", verdict_html(line.verdict));
+    }
+  };
+  add(fmt::format("÷ {}'s", matrix.reference), matrix.strategies);
+  add("a guide left out, ÷ the whole strategy's", matrix.guides);
+  return fmt::format(
+      "<div class=\"scroll\"><table "
+      "class=\"answer\"><thead>{}<th></th></tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+      head, body);
+}
+
+/// The groups of many problems.
+std::string answer_groups(const HtmlContent& content, const AnswerGroups& groups) {
+  std::string head = "<tr><th></th>";
+  for (const auto& [name, problems] : groups.groups) {
+    head += fmt::format("<th scope=\"col\">{} ({})</th>", escaped(name), problems);
+  }
+  std::string body;
+  for (const AnswerGroups::Line& line : groups.lines) {
+    body += fmt::format(R"(<tr><th scope="row">{}</th>)", run_button(content, "", line.strategy, line.strategy));
+    for (const double ratio : line.ratios) body += cell(escaped(std::isnan(ratio) ? "–" : two_figures(ratio)));
+    body += cell(fmt::format("{} of {}", line.cheaper, line.runs)) +
+            cell(escaped(fmt::format("{} … {}", two_figures(line.lo), two_figures(line.hi)))) + "</tr>\n";
+  }
+  return fmt::format(
+      "<div class=\"scroll\"><table class=\"answer\"><thead>{}<th scope=\"col\">cheaper</th><th scope=\"col\">10 … 90 "
+      "% "
+      "of runs</th></tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+      head, body);
+}
+
+std::string answer_html(const HtmlContent& content) {
+  const Answer& answer = content.summary.answer;
+  std::string out;
+  if (answer.matrix) out += answer_matrix(content, *answer.matrix);
+  if (const AnswerTable* table = answer.table()) out += answer_rows(content, *table);
+  if (answer.groups && !answer.groups->lines.empty()) out += answer_groups(content, *answer.groups);
+  out += "<div class=\"notes\">\n";
+  std::string more;
+  for (const AnswerNote& note : answer.notes) {
+    const bool warns = note.topic == "warning" || note.topic == "unsolved";
+    const bool details = note.topic == "verdict" || note.topic == "search";
+    (details ? more : out) += fmt::format("<p{}>{}</p>\n", warns ? R"( class="bad")" : "", escaped(note.text));
+  }
+  if (!more.empty()) out += "<details><summary>about verdicts and searches</summary>\n" + more + "</details>\n";
+  return out + "</div>\n";
+}
+
+/// The sentence of the answer, with the name of its strategy in bold.
+std::string heading_html(const Answer& answer, const std::vector<ExperimentSummary::Strategy>& strategies,
+                         const std::string& otherwise) {
+  std::string name;
+  for (const auto& one : strategies) {
+    if (answer.sentence.starts_with(one.name) && one.name.size() > name.size()) name = one.name;
+  }
+  if (answer.sentence.empty()) return escaped(otherwise);
+  std::string rest = answer.sentence.substr(name.size());
+  if (name.empty() && rest.front() >= 'a' && rest.front() <= 'z') rest.front() += 'A' - 'a';
+  return (name.empty() ? "" : "<b>" + escaped(name) + "</b>") + escaped(rest) +
+         (answer.sentence.ends_with('.') ? "" : ".");
+}
+
+/// Returns the strategy whose run the page shows first: of those with guides the first of the answer, else the first.
+std::size_t best_strategy(const HtmlContent& content) {
+  const Answer& answer = content.summary.answer;
+  std::vector<std::string> order;
+  if (answer.matrix) {
+    for (const auto& line : answer.matrix->strategies) order.push_back(line.strategy);
+  }
+  if (const AnswerTable* table = answer.table()) {
+    for (const auto& row : table->rows) order.push_back(row.strategy);
+  }
+  for (const std::string& name : order) {
+    if (name != answer.baseline && strategy_place(content, name) < content.summary.strategies.size()) {
+      return strategy_place(content, name);
+    }
+  }
+  return 0;
 }
 
 /// Returns the reasons why levels were solved again.
@@ -466,8 +620,9 @@ PackedRun packed_within(const std::string& samples, std::size_t most) {
 
 /// \param most_bytes   for all of them
 /// \param most_of_run  bytes of one run, beyond which it is thinned out
+/// \param shown  the strategy whose first run the page shows: it has more room, since a part of a tree misleads
 HeldRuns held_within(const ExperimentFacts& facts, RunSamples& samples, const HtmlOptions& options,
-                     std::size_t most_bytes, std::size_t most_of_run) {
+                     std::size_t most_bytes, std::size_t most_of_run, const std::string& shown) {
   std::map<std::uint64_t, std::vector<std::size_t>> by_seed;
   for (std::size_t i = 0; i < facts.runs.size(); ++i) by_seed[facts.runs[i].seed].push_back(i);
   HeldRuns held;
@@ -478,7 +633,9 @@ HeldRuns held_within(const ExperimentFacts& facts, RunSamples& samples, const Ht
     packed.reserve(runs.size());
     std::size_t size = held.scripts.size();
     for (const std::size_t run : runs) {
-      packed.push_back(packed_within(samples.run(run), most_of_run));
+      const bool first = seed == facts.seeds.front() && facts.runs[run].strategy == shown &&
+                         facts.runs[run].problem == facts.problems.front().name;
+      packed.push_back(packed_within(samples.run(run), first ? std::max(most_of_run, most_bytes / 3) : most_of_run));
       size += packed.back().text.size();
       if (options.progress) options.progress(++done, facts.runs.size());
     }
@@ -511,14 +668,14 @@ HeldRuns held_within(const ExperimentFacts& facts, RunSamples& samples, const Ht
 /// Packs all runs completely if they fit into `most_bytes`. If not, thins long searches, so that no search displaces
 /// other runs.
 HeldRuns held_runs(const ExperimentFacts& facts, RunSamples& samples, const HtmlOptions& options,
-                   std::size_t most_bytes) {
-  HeldRuns whole = held_within(facts, samples, options, most_bytes, most_bytes);
+                   std::size_t most_bytes, const std::string& shown) {
+  HeldRuns whole = held_within(facts, samples, options, most_bytes, most_bytes, shown);
   if (whole.ids.size() == facts.runs.size()) return whole;
   constexpr std::size_t least = 20'000;  // bytes; a smaller search shows too little
   constexpr std::size_t seeds = 2;       // the page contains at least these, if `least` permits
   const std::size_t runs_of_seed =
       std::max<std::size_t>(1, facts.runs.size() / std::max<std::size_t>(1, facts.seeds.size()));
-  return held_within(facts, samples, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)));
+  return held_within(facts, samples, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)), shown);
 }
 
 std::string held_text(const ExperimentFacts& facts, const HeldRuns& held, std::size_t most_bytes) {
@@ -688,9 +845,10 @@ std::string data_scripts(const HtmlContent& content, PageData page, const HeldRu
   // Seeds as text: a number in JavaScript has 53 bits.
   Json seeds = Json::array();
   for (const std::uint64_t seed : content.summary.seeds) seeds.push_back(std::to_string(seed));
-  Json data = {{"problems", std::move(page.problems)}, {"strategies", std::move(strategies)},
-               {"seeds", std::move(seeds)},            {"robots", Json::parse(page.robots)},
-               {"classes", std::move(classes)},        {"cells", std::move(cells)}};
+  Json data = {
+      {"problems", std::move(page.problems)}, {"strategies", std::move(strategies)}, {"seeds", std::move(seeds)},
+      {"robots", Json::parse(page.robots)},   {"classes", std::move(classes)},       {"cells", std::move(cells)},
+      {"best", best_strategy(content)}};
   if (Json worlds = Json::parse(page.worlds); !worlds.empty()) data["worlds"] = std::move(worlds);
   return script("data", script_json(data)) + held.scripts;
 }
@@ -719,20 +877,15 @@ HtmlContent content_of(const ExperimentFacts& experiment, const ExperimentSummar
   return content;
 }
 
-/// The sentences at the head of the page.
-std::string about_text(const ExperimentSummary& experiment) {
-  std::string text = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "scene"),
-                                 plural(experiment.strategies.size(), "method"), seeds_text(experiment.seeds));
-  if (experiment.measured) {
-    text += fmt::format(
-        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
-        "Target: {}. ",
-        experiment.target);
+/// What was run, below the answer.
+std::string about_text(const HtmlContent& content) {
+  const ExperimentSummary& experiment = content.summary;
+  std::string text = experiment.answer.title;
+  if (experiment.problems.size() == 1 && !experiment.problems.front().strategies.empty()) {
+    const RunsSummary& runs = experiment.problems.front().strategies.front().runs;
+    if (!runs.levels.empty()) text += " · " + runs.levels.front().space;
   }
-  text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
-                                        "Medians of methods: an unsolved run counts as infinite. "
-                                      : "";
-  return text + "Trellis " + experiment.version + '.';
+  return text + " · " + (experiment.script.empty() ? "" : experiment.script + ", ") + "Trellis " + experiment.version;
 }
 
 /// Replaces the page's @PLACES@. Does not expand the inserted text again.
@@ -760,8 +913,7 @@ struct Tables {
   std::string worth;
 };
 Tables tables_of(const HtmlContent& content, const PageSchedules& schedules) {
-  return {summary_table(content) + warnings_html(content.summary),
-          worth_scripts(content.summary, schedules) + comparison_scripts(content)};
+  return {summary_table(content), worth_scripts(content.summary, schedules) + comparison_scripts(content)};
 }
 
 /// \param in_space  whether a problem is one of space: the page contains the viewer of space
@@ -770,7 +922,12 @@ std::string page_of(const HtmlContent& content, const Tables& tables, const std:
   const HtmlParts& parts = html_parts();
   return filled(parts.page,
                 {{"TITLE", escaped(content.summary.script.empty() ? "Trellis" : "Trellis: " + content.summary.script)},
-                 {"ABOUT", escaped(about_text(content.summary))},
+                 {"HEADING", heading_html(content.summary.answer, content.summary.strategies, "Trellis: results")},
+                 {"ABOUT", escaped(about_text(content))},
+                 {"ANSWER", answer_html(content)},
+                 {"SUMMARY_TITLE", content.summary.measured
+                                       ? "Efficiency <span>nats above uniform sampling, all strategies</span>"
+                                       : "Medians <span>all strategies and problems</span>"},
                  {"STYLE", std::string(parts.style)},
                  {"SUMMARY", tables.summary},
                  {"NOTES", notes},
@@ -805,7 +962,8 @@ std::string report_html(const ExperimentFacts& facts, const ExperimentSummary& s
   const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + tables.summary.size() +
                            tables.worth.size() + bytes_of_outcome * facts.runs.size() + viewer;
   const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
-  const HeldRuns held = held_runs(facts, *samples, options, most_bytes);
+  const HeldRuns held = held_runs(facts, *samples, options, most_bytes,
+                                  summary.strategies.empty() ? "" : summary.strategies.at(best_strategy(content)).name);
   data.robots = samples->robots();
   if (!in_space) data.worlds = "[]";
   return page_of(content, tables, held_text(facts, held, most_bytes), data_scripts(content, std::move(data), held),

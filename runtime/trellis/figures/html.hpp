@@ -19,7 +19,7 @@ struct HtmlOptions {
   /// exceed the limit, it contains those of the first seeds, and says so.
   std::size_t most_bytes = 5'000'000;
   std::function<void(std::size_t, std::size_t)> progress = {};  ///< called for each packed run: finished, all
-  PageSchedules schedules = {};                                  ///< empty: none
+  PageSchedules schedules = {};                                 ///< empty: none
   std::string document = "a document of results";               ///< the name of the file that the results are from
 };
 

@@ -16,9 +16,9 @@
 #include <trellis/draw/spatial.hpp>
 #include <trellis/figures/charts/pictures.hpp>
 #include <trellis/figures/scene_figures.hpp>
+#include <trellis/figures/world_shapes.hpp>
 #include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/pictures/traces.hpp>
-#include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>

@@ -182,8 +182,8 @@ void write_packed_samples(const Experiment& experiment, const ExperimentResult& 
   Json runs = Json::array();
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     const RunResult& run = result.runs[i];
-    const fs::path place = fs::path(of_problem(run.problem)) / of_strategy[run.problem](run.strategy) /
-                           fmt::format("seed-{}", run.seed);
+    const fs::path place =
+        fs::path(of_problem(run.problem)) / of_strategy[run.problem](run.strategy) / fmt::format("seed-{}", run.seed);
     make_directory((directory / place).string());
     const fs::path file = place / "run.json";
     write_file((directory / file).string(), packed.run(i) + "\n", Flush::none);
@@ -194,10 +194,10 @@ void write_packed_samples(const Experiment& experiment, const ExperimentResult& 
                     {"file", file.generic_string()}});
   }
   make_directory(directory);
-  write_file((fs::path(directory) / "index.json").string(),
-             "{\"robots\": " + packed.robots() + ",\n \"runs\": " +
-                 json::lines(runs.get_ref<const Json::array_t&>()) + "}\n",
-             Flush::none);
+  write_file(
+      (fs::path(directory) / "index.json").string(),
+      "{\"robots\": " + packed.robots() + ",\n \"runs\": " + json::lines(runs.get_ref<const Json::array_t&>()) + "}\n",
+      Flush::none);
 }
 
 }  // namespace trellis

@@ -55,15 +55,15 @@ LevelRows rows_of(const Json& level) {
   rows.fates = bytes("fates");
   if (!level.at("classes").is_null()) rows.classes = bytes("classes");
   const std::size_t nodes = rows.node_count();
-  if (rows.nodes.size() != 2 * rows.dimension * nodes || rows.proposals.size() != 2 * rows.dimension * rows.fates.size() ||
+  if (rows.nodes.size() != 2 * rows.dimension * nodes ||
+      rows.proposals.size() != 2 * rows.dimension * rows.fates.size() ||
       (!rows.classes.empty() && rows.classes.size() != nodes)) {
     throw Error("packed samples have lists of different lengths");
   }
   if (!level.at("parents").is_null()) {
     NumberReader parents(level.at("parents"));
     for (std::size_t i = 0; i < nodes; ++i) {
-      rows.parents.push_back(
-          row_of(static_cast<std::int64_t>(i) - NumberReader::undone(parents.next()), nodes));
+      rows.parents.push_back(row_of(static_cast<std::int64_t>(i) - NumberReader::undone(parents.next()), nodes));
     }
   }
   std::int64_t last = 0;

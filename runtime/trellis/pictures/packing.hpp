@@ -34,7 +34,7 @@ struct LevelRows {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::string classes;    ///< NodeClass of each node; empty where they were not computed
   std::string proposals;  ///< as `nodes`
-  std::string fates;      ///< of each proposal its Fate and, from bit 2, its own validity: 0 unknown, 1 valid, 2 invalid
+  std::string fates;  ///< of each proposal its Fate and, from bit 2, its own validity: 0 unknown, 1 valid, 2 invalid
   std::vector<std::uint32_t> sources;  ///< of each proposal, an index into the level's list
   std::vector<std::uint32_t> near;     ///< of each proposal, the node that was extended
   std::vector<std::uint32_t> added;    ///< of each proposal, the node that it led to

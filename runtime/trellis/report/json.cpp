@@ -374,9 +374,9 @@ Json pairs_json(const std::vector<TestedPair>& pairs) {
 std::string begin_document(const std::string& version, const std::string& script, const std::string& experiment,
                            const Scenery& scenery, const std::string& samples) {
   return "{\n \"trellis\": " + dump({{"version", version}, {"format", document_format}}) +
-         ",\n \"script\": " + dump(script) + ",\n \"experiment\": " + experiment +
-         ",\n \"worlds\": " + scenery.worlds + ",\n \"robots\": " + scenery.robots +
-         ",\n \"scenes\": " + scenery.scenes + ",\n \"samples\": " + dump(text_or_null(samples)) + ",\n";
+         ",\n \"script\": " + dump(script) + ",\n \"experiment\": " + experiment + ",\n \"worlds\": " + scenery.worlds +
+         ",\n \"robots\": " + scenery.robots + ",\n \"scenes\": " + scenery.scenes +
+         ",\n \"samples\": " + dump(text_or_null(samples)) + ",\n";
 }
 
 }  // namespace
@@ -420,8 +420,8 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
     if (!one.obstruction.empty()) obstructions.push_back({{"problem", one.name}, {"text", one.obstruction}});
   }
 
-  std::string out = begin_document(summary.version, summary.script, experiment.description, experiment.scenery,
-                                   experiment.samples);
+  std::string out =
+      begin_document(summary.version, summary.script, experiment.description, experiment.scenery, experiment.samples);
   out += " \"runs\": " + lines(runs) + ",\n";
   out += " \"pooled\": " + lines(pooled) + ",\n";
   out += " \"left_out\": " + lines(left_out) + ",\n";

@@ -77,8 +77,9 @@ void read_document(const Json& document, ExperimentFacts& facts) {
   facts.script = document.value("script", "");
   read_experiment(json::dump(document.at("experiment")), facts);
   // Missing in documents of before.
-  for (const auto& [name, text] : {std::pair{"worlds", &facts.scenery.worlds}, std::pair{"robots", &facts.scenery.robots},
-                                   std::pair{"scenes", &facts.scenery.scenes}}) {
+  for (const auto& [name, text] :
+       {std::pair{"worlds", &facts.scenery.worlds}, std::pair{"robots", &facts.scenery.robots},
+        std::pair{"scenes", &facts.scenery.scenes}}) {
     if (document.contains(name)) *text = json::lines(document.at(name).get_ref<const Json::array_t&>());
   }
   if (const Json samples = document.value("samples", Json()); samples.is_string()) samples.get_to(facts.samples);

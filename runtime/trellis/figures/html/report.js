@@ -216,11 +216,11 @@ const view = () => {
 /// The last step of the runs that are shown.
 const last = () => Math.max(run ? run.total : 0, other ? other.total : 0);
 
-/// The first run that found a path and is in this file: [scene, method, seed]. Of one scene and of one method where these
-/// are given; the first run of all where there is none.
+/// A run that found a path and is in this file: [scene, method, seed]. Of one scene and of one method where these are given,
+/// else of the best method; the first run of all where there is none.
 function solvedRun(scene, method) {
   const scenes = scene >= 0 ? [scene] : data.problems.map((p, i) => i);
-  const methods = method >= 0 ? [method] : data.strategies.map((s, i) => i);
+  const methods = method >= 0 ? [method] : [...new Set([data.best, ...data.strategies.keys()])];
   for (const s of scenes) {
     for (const m of methods) {
       const seed = data.cells[s][m].runs.findIndex(r => r.solved && r.id >= 0);
@@ -245,6 +245,7 @@ function readHash() {
   const turn = /^(-?\d+),(-?\d+)$/.exec(given.get('view') || '');
   state.view = turn ? [Number(turn[1]), Math.max(-90, Math.min(90, Number(turn[2])))] : null;
   const at = given.get('at'), select = given.get('select'), along = given.get('along');
+  if (['at', 'along', 'select', 'layers', 'beside', 'colour', 'show', 'view'].some(name => given.has(name))) $('fold-runs').open = true;
   load(false);
   state.along = along !== null && /^\d+$/.test(along) ? Math.min(1000, Number(along)) : null;
   if (run) {
@@ -682,6 +683,7 @@ const rgb = colour => [1, 3, 5].map(i => parseInt(colour.slice(i, i + 2), 16));
 
 function drawProposals(level, p) {
   if (state.show === 'density') { drawDensity(level, p); return; }
+  if (state.show === 'points') { drawPoints(level, p); return; }
   const groups = new Map();
   for (let i = 0; i < p; i++) {
     const kind = level.station(i);
@@ -701,6 +703,18 @@ function drawProposals(level, p) {
     pen.lineWidth = 1.2;
     pen.globalAlpha = hidden ? 0.2 : 0.9;
     if (kind === 'reached') pen.fill(); else pen.stroke();
+  }
+  pen.globalAlpha = 1;
+}
+
+/// Proposals as faint points, below the tree.
+function drawPoints(level, p) {
+  const side = p > 20000 ? 0.7 : 1.1, every = Math.max(1, Math.floor(p / 60000));
+  pen.fillStyle = levelColour(level);
+  pen.globalAlpha = p > 5000 ? 0.25 : 0.4;
+  for (let i = 0; i < p; i += every) {
+    const at = frame.at(level.proposals.row(i), level);
+    if (!frame.hides(at)) pen.fillRect(at[0] - side / 2, at[1] - side / 2, side, side);
   }
   pen.globalAlpha = 1;
 }
@@ -784,22 +798,47 @@ function drawNewest() {
   }
 }
 
-/// The free plane and its obstacles.
-function drawPlane(problem, b) {
-  pen.fillStyle = colours.free;
-  pen.fillRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
+/// The outline of the obstacles' union: none between obstacles that touch. Drawn again over what lies on the obstacles.
+function drawOutline(problem) {
+  const own = document.createElement('canvas'), main = pen;
+  [own.width, own.height] = [canvas.width, canvas.height];
+  pen = own.getContext('2d');
+  pen.setTransform(frame.ratio, 0, 0, frame.ratio, 0, 0);
+  pen.beginPath();
+  for (const shape of problem.obstacles) shapePath(shape);
+  pen.strokeStyle = colours['obstacle-edge'];
+  pen.lineWidth = 2;
+  pen.stroke();
+  pen.globalCompositeOperation = 'destination-out';
+  pen.fill();
+  pen = main;
+  pen.save();
+  pen.setTransform(1, 0, 0, 1, 0, 0);
+  pen.drawImage(own, 0, 0);
+  pen.restore();
+}
+
+/// Draws within the bounds of the plane.
+function inPlane(b, body) {
   pen.save();
   pen.beginPath();
   pen.rect(frame.X(b[0]) - 1, frame.Y(b[3]) - 1, (b[2] - b[0]) * frame.scale + 2, (b[3] - b[1]) * frame.scale + 2);
   pen.clip();
-  pen.beginPath();
-  for (const shape of problem.obstacles) shapePath(shape);
-  pen.fillStyle = colours.obstacle;
-  pen.fill();
-  pen.strokeStyle = colours['obstacle-edge'];
-  pen.lineWidth = 1;
-  pen.stroke();
+  body();
   pen.restore();
+}
+
+/// The free plane and its obstacles.
+function drawPlane(problem, b) {
+  pen.fillStyle = colours.free;
+  pen.fillRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
+  inPlane(b, () => {
+    pen.beginPath();
+    for (const shape of problem.obstacles) shapePath(shape);
+    pen.fillStyle = colours.obstacle;
+    pen.fill();
+    drawOutline(problem);
+  });
   pen.strokeStyle = colours['obstacle-edge'];
   pen.lineWidth = 1;
   pen.strokeRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
@@ -840,7 +879,7 @@ function drawRun() {
     const drawTrees = () => each('tree', trace => drawTree(trace, now[trace.number].n));
     const drawAllProposals = () => each('expansion', trace => drawProposals(trace, now[trace.number].p));
     // Draw samples above the trees that they created, and a density below them.
-    if (state.show === 'density') { drawAllProposals(); drawTrees(); } else { drawTrees(); drawAllProposals(); }
+    if (state.show === 'samples') { drawTrees(); drawAllProposals(); } else { drawAllProposals(); if (!frame.space) inPlane(b, () => drawOutline(problem)); drawTrees(); }
     for (const level of deepest) {
       const path = shown(level, 'path') && pathNow(level);
       if (!path || !path.size) continue;
@@ -970,7 +1009,46 @@ function drawBeside() {
   }
 }
 
+/// Draws a panel for each level with positions, the guide on the left and the root on the right: its tree, its
+/// proposals as faint points, and its path. What draws goes by the canvas and its frame.
+function drawPanels() {
+  const box = $('panels');
+  box.replaceChildren();
+  if (!run) return;
+  const kept = [canvas, pen, plot, frame, zoom, { ...state }];
+  const levels = [...run.levels].reverse().filter(level => level.drawn && (level.nodes.size || level.proposals.size || level.paths.length));
+  // All before the first is drawn, so that they have their widths.
+  const pictures = levels.map((level, i) => {
+    const raw = level.raw, searches = raw.solves > 1 ? raw.solves + ' searches' : '';
+    const facts = [raw.space.replace('R^2', 'R²').replace('R^3', 'R³'), count(raw.all[1], 'node'), count(raw.all[0], 'proposal'), searches];
+    const picture = make('canvas', { title: 'inspect the samples of this level' });
+    picture.setAttribute('role', 'img');
+    picture.setAttribute('aria-label', 'the search of ' + level.name + ' in the scene');
+    picture.onclick = () => { state.layers = new Set(roles.map(role => level.number + ':' + role)); openRuns(); refresh(); };
+    box.append(make('figure', null, make('figcaption', null, make('b', { textContent: (i ? '>> ' : '') + (level.number === 0 ? raw.planner : level.name) }), make('small', { textContent: facts.filter(f => f).join(', ') })), picture));
+    return picture;
+  });
+  levels.forEach((level, i) => {
+    [canvas, pen, plot, zoom] = [pictures[i], pictures[i].getContext('2d'), pictures[i].parentElement, { k: 1, x: 0, y: 0 }];
+    Object.assign(state, { layers: new Set(roles.map(role => level.number + ':' + role)), show: 'points', select: null, along: null, at: run.total, view: null });
+    try {
+      drawRun();
+    } finally {
+      [canvas, pen, plot, frame, zoom] = kept;
+      Object.assign(state, kept[5]);
+    }
+  });
+}
+
+function openRuns() {
+  if ($('fold-runs').open) return;
+  $('fold-runs').open = true;
+  $('fold-runs').scrollIntoView({ block: 'start' });
+}
+
+/// The picture of the run is drawn where it is seen.
 function draw() {
+  if (!$('fold-runs').open) return;
   drawBeside();
   drawRun();
 }
@@ -1235,6 +1313,7 @@ function load(fresh = true) {
   $('show').value = state.show;
   $('text').textContent = data.strategies[state.method].text;
   $('outcome').textContent = entry.text;
+  $('panels-heading').textContent = data.strategies[state.method].name + ', seed ' + data.seeds[state.seed];
   const message = $('message');
   const root = run && run.levels[0];
   message.textContent = !run ? 'The samples of this run are not in this file.'
@@ -1253,6 +1332,7 @@ function load(fresh = true) {
   readColours();
   showLevels();
   showWorth();
+  drawPanels();
   if (fresh) refresh();
 }
 
@@ -1264,7 +1344,7 @@ function showWorth() {
   if (table) worth.append(table.content.cloneNode(true));
   showFigures(figures, 'figures-' + where);
   $('compared').replaceChildren();
-  $('comparison').hidden = !showFigures($('compared'), 'comparison-' + state.scene);
+  $('fold-costs').hidden = !showFigures($('compared'), 'comparison-' + state.scene);
 }
 
 /// Appends the figures of a record, and returns their number.
@@ -1526,17 +1606,19 @@ $('at').onchange = e => goTo(Number(e.target.value));
 $('zoom-in').onclick = () => zoomBy(1.5);
 $('zoom-out').onclick = () => zoomBy(1 / 1.5);
 $('zoom-fit').onclick = fit;
-for (const button of document.querySelectorAll('#summary button[data-cell]')) {
+for (const button of document.querySelectorAll('button[data-cell]')) {
   button.onclick = () => {
     [state.scene, state.method] = button.dataset.cell.split('-').map(Number);
     load();
-    $('viewer-heading').scrollIntoView({ block: 'start' });
+    $('panels-section').scrollIntoView({ block: 'start' });
   };
 }
+$('to-runs').onclick = () => { openRuns(); refresh(); play(); };
+$('fold-runs').ontoggle = () => refresh();
 window.addEventListener('hashchange', () => { readHash(); refresh(); });
-window.addEventListener('resize', draw);
+window.addEventListener('resize', () => { drawPanels(); draw(); });
 for (const query of ['(prefers-color-scheme: dark)', 'print']) {
-  matchMedia(query).addEventListener('change', () => { readColours(); showLevels(); refresh(); });
+  matchMedia(query).addEventListener('change', () => { readColours(); showLevels(); drawPanels(); refresh(); });
 }
 
 makeSortable($('summary'));
@@ -1551,7 +1633,7 @@ if (data.problems.some(p => p.world !== undefined)) {
 }
 // A page of stored results has no samples to draw.
 const bare = !data.cells.some(row => row.some(c => c.runs.some(r => r.id >= 0)));
-if (bare) for (const part of [document.querySelector('.stage'), $('keys'), $('beside').parentElement]) part.hidden = true;
+if (bare) for (const part of [$('fold-runs'), $('to-runs'), $('panels')]) part.hidden = true;
 if (data.problems.length && data.strategies.length && data.seeds.length) {
   readHash();
   refresh();
