@@ -33,7 +33,8 @@ class PackedRuns : public RunSamples {
 };
 
 /// Writes the samples of all runs: DIR/<problem>/<strategy>/seed-<seed>/run.json, and DIR/index.json with the robots
-/// and the names of these files. \throws Error where it cannot write a file
+/// and the names of these files.
+/// \throws Error where it cannot write a file
 void write_packed_samples(const Experiment& experiment, const ExperimentResult& result, const std::string& directory);
 
 }  // namespace trellis
