@@ -7,7 +7,10 @@
 --   trellis help strategies                        the methods
 --
 -- The standard library composes every method from the same parts: stdlib/strategies.lua. docs/methods.md lists for each
--- the published method and the differences. paper/attali.lua has the parts of this experiment.
+-- the published method and the differences. paper/attali.lua has the parts of this experiment; paper/compare.py
+-- compares its results with the figures of the paper:
+--
+--   python3 examples/paper/compare.py DIR
 
 local attali = require "paper.attali"
 
@@ -19,5 +22,4 @@ return experiment {
   measure    = tube { delta = 0.5, points = 2048, pool = 8192 },
   estimators = { exact(), knn() },
   baseline   = "rrt",
-  published  = attali.published(),
 }

@@ -11,14 +11,14 @@ Cells of 1 m; the target is the whole tube of 0.5 m about a path, valid or not; 
 import csv
 import math
 import pathlib
-import re
 import sys
+
+from paper import compare
 
 DELTA = 0.5  # m
 WORLD = 10  # m, both sides; also the number of cells on a side
 POINT = 0.1  # m between the points that fill the tube
 FLOORS = (1e-100, 1e-10)
-ROLES = ("tree", "expansion")
 PATHS = ("all seeds together", "own path", "other seeds' paths")
 
 
@@ -67,7 +67,7 @@ def read_run(folder):
     """Returns the path of a run and its samples by role, positions of the root."""
     with open(folder / "path.csv", encoding="utf-8") as file:
         path = [(float(row["q1"]), float(row["q2"])) for row in csv.DictReader(file)]
-    found = {role: {} for role in ROLES}
+    found = {role: {} for role in compare.ROLES}
     with open(folder / "samples.csv", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             if row["level"] != "0" or (row["role"] == "tree" and row["accepted"] == "0"):
@@ -76,32 +76,6 @@ def read_run(folder):
             key = (row["q1"], row["q2"], row["q3"]) if row["role"] == "tree" else row["index"]
             found[row["role"]][key] = cell(float(row["q1"]), float(row["q2"]))
     return path, {role: list(cells.values()) for role, cells in found.items()}
-
-
-def published(table):
-    """Returns the published figures of table.md, by problem, method and role."""
-    found, problem = {}, None
-    for line in table.split("## Beside the published figures")[1].split("\n## ")[0].splitlines():
-        cells = [re.sub(r"\\(.)", r"\1", text.strip()) for text in line.split("|")[1:-1]]
-        if len(cells) < 3 or cells[0].startswith("-"):
-            continue
-        if cells[1] == "samples":
-            problem = found.setdefault(cells[0], {})
-        elif cells[2] != "NA":
-            problem[cells[0], cells[1]] = float(cells[2])
-    return found
-
-
-def ranks(values):
-    """Returns the rank of each value, the mean rank of equal ones."""
-    return [sum(v < x for v in values) + 0.5 * sum(v == x for v in values) for x in values]
-
-
-def correlation(a, b):
-    """Returns Spearman's rank correlation."""
-    a, b = ranks(a), ranks(b)
-    a, b = [x - mean(a) for x in a], [x - mean(b) for x in b]
-    return sum(x * y for x, y in zip(a, b)) / math.sqrt(sum(x * x for x in a) * sum(y * y for y in b))
 
 
 def figures(runs, donors, role):
@@ -118,7 +92,9 @@ def figures(runs, donors, role):
 
 def row_of(*cells):
     """Returns a row of a table in Markdown."""
-    return "| " + " | ".join(f"{x:.2f}" if isinstance(x, float) else x.replace("_", r"\_") for x in cells) + " |"
+    def text(x):
+        return x.replace("_", r"\_") if isinstance(x, str) else "NA" if math.isnan(x) else f"{x:.2f}"
+    return "| " + " | ".join(text(x) for x in cells) + " |"
 
 
 def head_of(*cells):
@@ -131,22 +107,24 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     columns = [f"{where}, floor {floor:g}" for where in PATHS for floor in FLOORS]
     agreement = []
-    for problem, entries in published((folder / "table.md").read_text(encoding="utf-8")).items():
+    for problem, methods in compare.FIGURES.items():
+        places = {method: folder / "samples" / problem / method for method in methods}
+        runs = {method: [read_run(run) for run in sorted(place.iterdir())]
+                for method, place in places.items() if place.is_dir()}
+        if "rrt" not in runs:
+            continue
         print(head_of(problem, "samples", "published", *columns))
-        methods = list(dict.fromkeys(method for method, _ in entries))
-        runs = {method: [read_run(place) for place in sorted((folder / "samples" / problem / method).iterdir())]
-                for method in methods}
         donors = [tube(path) for path, _ in runs["rrt"]]
-        for role in ROLES:
-            names = [method for method in methods if (method, role) in entries]
+        for role in compare.ROLES:
+            there = {method: compare.published(problem, method, role) for method in runs}
+            there = {method: value for method, value in there.items() if not math.isnan(value)}
             rows = []
-            for name in names:
+            for name, value in there.items():
                 found = figures(runs[name], donors, role)
                 rows.append([value for where in PATHS for value in found[where]])
-                print(row_of(name, role, str(entries[name, role]), *rows[-1]))
-            there = [entries[name, role] for name in names]
-            agreement.append(row_of(problem, role, str(len(names)),
-                                    *[correlation(there, ours) for ours in zip(*rows)]))
+                print(row_of(name, role, f"{value:g}", *rows[-1]))
+            agreement.append(row_of(problem, role, str(len(there)),
+                                    *[compare.correlation(list(there.values()), ours) for ours in zip(*rows)]))
         print()
     print("Spearman's rank correlation with the published figures, over so many methods:\n")
     print(head_of("problem", "samples", "methods", *columns))

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT-0
--- The experiment of Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning: its scenes, its methods and its
--- figures. A module of examples/paper.lua and examples/parasol.lua, for scripts in the folder above this one:
+-- The experiment of Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning: its scenes and its methods.
+-- compare.py has its figures. A module of examples/paper.lua and examples/parasol.lua, for scripts in the folder above
+-- this one:
 --
 --   local attali = require "paper.attali"
 --
@@ -51,41 +52,5 @@ end
 
 -- The paper's own methods, so.
 attali.presets = listed({ "rrt", "lazy_prm", "dr_rrt", "irc" }, attali.preset)
-
--- The figures and the sentences of the paper, for experiment's field 'published'.
-function attali.published()
-  return published {
-    source = "Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning, table 1",
-    figures = {
-      simple_passage = {
-        rrt = {32.147, 18.671}, lazy_prm = {11.395}, dr_rrt = {6.115, 19.845}, irc = {13.797, 19.447},
-      },
-      trap = {
-        rrt = {9.589, 7.547}, lazy_prm = {14.869}, dr_rrt = {38.759, 57.244}, irc = {4.845, 21.612},
-      },
-      cup = {
-        rrt = {8.539, 5.246}, lazy_prm = {6.992}, dr_rrt = {5.834, 18.176}, irc = {3.829, 9.443},
-      },
-    },
-    claims = {
-      claim {
-        "DR-RRT finds the passage without exploring the region",
-        problem = "simple_passage", strategy = "dr_rrt", lower_than = {"rrt", "lazy_prm", "irc"},
-      },
-      claim {
-        "shrinking makes impassable passages seem traversable: IRC does similarly or worse than RRT in Trap",
-        problem = "trap", strategy = "irc", not_lower_than = "rrt", roles = {"tree", "expansion"},
-      },
-      claim {
-        "DR-RRT does similarly or worse than RRT in Trap",
-        problem = "trap", strategy = "dr_rrt", not_lower_than = "rrt", roles = {"tree", "expansion"},
-      },
-      claim {
-        "LazyPRM does well in Cup",
-        problem = "cup", strategy = "lazy_prm", lower_than = "rrt",
-      },
-    },
-  }
-end
 
 return attali
