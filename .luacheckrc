@@ -13,7 +13,7 @@ stds.trellis = {
     "knn", "exact", "arc",
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
     "world", "robots", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach",
-    "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
+    "problem", "target", "experiment", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
     "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {

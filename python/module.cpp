@@ -344,7 +344,6 @@ Experiment experiment_of(const Request& request) {
     return std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
                        [&](const auto& entry) { return entry.first == name; });
   };
-  experiment.published.reset();  // its claims refer to the complete experiment
   std::erase_if(experiment.ablations, [&](const auto& link) { return !there(link.strategy) || !there(link.of); });
   if (!there(experiment.baseline)) experiment.baseline.clear();
   return experiment;

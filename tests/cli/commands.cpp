@@ -684,15 +684,13 @@ TEST_CASE("a folder gets the tables, the document, the page and the figures", "[
       "pair.lua",
       "return experiment { problems = { scenes.cup(), scenes.trap() }, seeds = 2, measure = tube { points = 256, "
       "pool = 1024 }, estimators = { knn(), exact() }, strategies = { guided = skeleton() >> rrt { step = 0.5 }, "
-      "rrt = rrt { step = 0.5 } }, published = published { source = 'A. Author', figures = { cup = { rrt = {8.5, 5.2}, "
-      "guided = {5.8, 18.2} } } } }");
+      "rrt = rrt { step = 0.5 } } }");
   const auto outcome = place.run({"run", "pair.lua", "--quiet", "--out", "here"});
   INFO(outcome.err);
   CHECK(outcome.status == 0);
   CHECK(outcome.err.empty());
   const std::string table = content(place / "here/table.md");
-  CHECK(table.find("## Beside the published figures\n\nPublished: A. Author.") != std::string::npos);
-  CHECK(table.find("| rrt | tree | 8.5 |") != std::string::npos);
+  CHECK(table.find("\n## SE, own path\n\n| strategy | cup | trap |\n") != std::string::npos);
   CHECK(content(place / "here/report.html").ends_with("</html>\n"));
   CHECK(Json::parse(content(place / "here/results.json"))["runs"].size() == 8);
   for (const std::string problem : {"cup", "trap"}) {

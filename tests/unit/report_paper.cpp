@@ -24,8 +24,8 @@ using namespace trellis;
 
 namespace {
 
-/// Two problems, three strategies, figures by two estimators, and what was published.
-std::pair<Experiment, ExperimentResult> published() {
+/// Two problems, three strategies, and figures by two estimators.
+std::pair<Experiment, ExperimentResult> three_strategies() {
   auto [experiment, result] = fixture::passage();
   experiment.problems.push_back(fixture::problem("a|b, \"c\""));
   for (const auto seed : experiment.seeds) result.runs.push_back(fixture::plain_run("a|b, \"c\"", seed, seed > 2));
@@ -54,17 +54,6 @@ std::pair<Experiment, ExperimentResult> published() {
     }
   }
   experiment.measure->estimators = {EstimatorSpec::make("knn"), EstimatorSpec::make("arc")};
-  Publication publication;
-  publication.source = "Author 1999";
-  publication.entries = {{"simple_passage", "rrt", 32.147, 18.671},
-                         {"simple_passage", "nested", 11.395, {}},
-                         {"simple_passage", "third", 20.0, 19.0}};
-  publication.entries[1].expansion = std::numeric_limits<double>::quiet_NaN();
-  using Role = Publication::Claim::Role;
-  publication.claims = {
-      {"nested does better", "simple_passage", "nested", true, {"rrt"}, {Role::tree, Role::expansion}},
-      {"nested does no better", "simple_passage", "nested", false, {"rrt"}, {Role::tree}}};
-  experiment.published = publication;
   return {std::move(experiment), std::move(result)};
 }
 
@@ -85,12 +74,12 @@ std::size_t cells_of(const std::string& row) {
 }  // namespace
 
 TEST_CASE("the tables look as they should", "[report][golden]") {
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   test::check_golden("table.md", fixture::report_markdown(experiment, result));
 }
 
 TEST_CASE("every row of a table has as many cells as its head, whatever things are called", "[report]") {
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   std::size_t columns = 0;
   std::size_t rows = 0;
   for (const std::string& line : lines_of(fixture::report_markdown(experiment, result))) {
@@ -107,7 +96,7 @@ TEST_CASE("every row of a table has as many cells as its head, whatever things a
 }
 
 TEST_CASE("the values are one to a line, and none is infinite without being counted", "[report]") {
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   const auto lines = lines_of(fixture::report_csv(experiment, result));
   CHECK(lines.front() == "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite");
   CHECK(std::count(lines.begin(), lines.end(), "simple_passage,rrt,tree,own,arc,SE,30,30,30,14,0") == 1);
@@ -119,16 +108,8 @@ TEST_CASE("the values are one to a line, and none is infinite without being coun
                     [](const auto& l) { return l.starts_with("\"a|b, \"\"c\"\"\",nested,,,,success,0,"); }));
 }
 
-TEST_CASE("values without a published counterpart are not compared", "[report]") {
-  auto [experiment, result] = published();
-  experiment.published.reset();
-  const std::string text = fixture::report_markdown(experiment, result);
-  CHECK(text.find("published") == std::string::npos);
-  CHECK(text.find("Spearman") == std::string::npos);
-}
-
 TEST_CASE("an experiment without a measure has tables of its other values", "[report]") {
-  auto [experiment, result] = published();
+  auto [experiment, result] = three_strategies();
   experiment.measure.reset();
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) level.own = level.root = level.own_cross = level.root_cross = std::nullopt;
@@ -172,7 +153,7 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
 }
 
 TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each row", "[report]") {
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   const std::string text = latex(fixture::report_markdown(experiment, result));
   const auto count = [&](const std::string& part) {
     std::size_t n = 0;
@@ -207,7 +188,7 @@ TEST_CASE("what LaTeX would take for a sign of its own is written as text", "[re
 }
 
 TEST_CASE("tables in LaTeX add no section to the document that reads them", "[report]") {
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   const std::string text = latex(fixture::report_markdown(experiment, result) + "\n### Deeper\n\n#### Deepest\n");
   CHECK(text.find("section") == std::string::npos);
   CHECK(text.find("% Sampling efficiency\n") != std::string::npos);
@@ -216,7 +197,7 @@ TEST_CASE("tables in LaTeX add no section to the document that reads them", "[re
 }
 
 TEST_CASE("solved runs, checks and times have their intervals in the tables", "[report]") {
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   const RunsSummary summary = fixture::summary_of(result, "simple_passage", "rrt");
   std::vector<std::string> cells;
   bool others = false;
@@ -292,7 +273,7 @@ TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") 
     WARN("skipped: pdflatex with booktabs is not installed (texlive-latex-recommended)");
     return;
   }
-  const auto [experiment, result] = published();
+  const auto [experiment, result] = three_strategies();
   const test::Folder place;
   const auto document = [](const std::string& body) {
     return "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n" + body +

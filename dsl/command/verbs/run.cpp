@@ -116,12 +116,6 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   Experiment part = experiment;
   const auto begin = experiment.problems.begin() + static_cast<std::ptrdiff_t>(first);
   part.problems.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
-  if (!part.published) return part;
-  const auto elsewhere = [&](const std::string& name) {
-    return std::none_of(part.problems.begin(), part.problems.end(), [&](const Problem& p) { return p.name == name; });
-  };
-  std::erase_if(part.published->entries, [&](const auto& entry) { return elsewhere(entry.problem); });
-  std::erase_if(part.published->claims, [&](const auto& claim) { return elsewhere(claim.problem); });
   return part;
 }
 
@@ -145,8 +139,6 @@ void choose_strategies(Experiment& experiment, const RunOptions& options) {
 void narrow(Experiment& experiment, const RunOptions& options) {
   choose_problem(experiment, options.problem);
   choose_strategies(experiment, options);
-  // The published claims refer to the complete experiment.
-  if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
   if (options.only) experiment.seeds = {*options.only};
 }
 

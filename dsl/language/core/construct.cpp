@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <utility>
 
+#include <dsl/language/core/replaced.hpp>
+
 namespace trellis::dsl {
 
 namespace {
@@ -224,7 +226,7 @@ void Arguments::read_keys(lua::Faults& faults) {
   for (const auto& name : keys.names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     misspelt_.push_back(nearest_name(name, known));
-    faults.add(fmt::format("{}: unknown field '{}'{}{}", construct_.name, name, did_you_mean(name, known),
+    faults.add(fmt::format("{}: unknown field '{}'{}{}", construct_.name, name, suggestion(name, known),
                            known.empty() ? "; it has none" : "; its fields are: " + joined(known)));
   }
 }

@@ -179,14 +179,6 @@ struct TypeName<EstimatorSpec> {
   static constexpr const char* value = "estimator";
 };
 template <>
-struct TypeName<Publication> {
-  static constexpr const char* value = "publication";
-};
-template <>
-struct TypeName<Publication::Claim> {
-  static constexpr const char* value = "claim";
-};
-template <>
 struct TypeName<dsl::Program> {
   static constexpr const char* value = "experiment";
 };

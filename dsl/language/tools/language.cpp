@@ -18,7 +18,6 @@
 #include <dsl/language/words/modules.hpp>
 #include <dsl/language/words/motion.hpp>
 #include <dsl/language/words/problem.hpp>
-#include <dsl/language/words/publication.hpp>
 #include <dsl/language/words/scenario.hpp>
 #include <dsl/language/words/spatial_world.hpp>
 #include <dsl/language/words/tuning.hpp>
@@ -83,7 +82,6 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_problem(stack, book->warnings);
   open_measure(stack, book->each, book->given);
   open_guiding_space(stack, book);
-  open_publication(stack);
   open_experiment(stack);
   open_tuning(stack);
   open_scenario(stack, place, options.scenarios);
@@ -100,8 +98,7 @@ std::vector<const Construct*> constructs() {
   for (const Construct* construct : manipulator_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &robot_file_construct(), &exists_construct(),
-                         &target_construct(), &experiment_construct(), &tune_construct(), &published_construct(),
-                         &claim_construct(), &help_construct(), &require_construct()});
+                         &target_construct(), &experiment_construct(), &tune_construct(), &help_construct(), &require_construct()});
   for (const Construct* construct : scenario_constructs()) all.push_back(construct);
   return all;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <dsl/language/core/replaced.hpp>
 #include <dsl/language/tools/catalogue.hpp>
 #include <dsl/language/tools/words.hpp>
 #include <trellis/guide/guide.hpp>
@@ -309,7 +310,9 @@ std::string help_text(const std::string& name, std::size_t width) {
     return text_of(type, width) + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", name, inside));
   }
   if (!in_reports.empty()) return in_reports;
-  for (const std::string& text : {options_text(name, width), near_words(name, width)}) {
+  const std::string replacement = suggestion(name, {});
+  for (const std::string& text :
+       {options_text(name, width), replacement.empty() ? near_words(name, width) : std::string()}) {
     if (!text.empty()) return text;
   }
   for (const ReportTerm& term : report_terms()) known.push_back(term.name);
@@ -321,7 +324,7 @@ std::string help_text(const std::string& name, std::size_t width) {
   for (const ObjectType& type : object_types()) {
     for (const Field& member : type.members) known.push_back(member.name);
   }
-  std::string offer = did_you_mean(name, known);
+  std::string offer = suggestion(name, known);
   // Else the longest name that it begins with: step of stepsize.
   constexpr std::size_t least = 4;
   const std::string* begins = nullptr;

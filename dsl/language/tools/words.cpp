@@ -138,8 +138,6 @@ std::vector<ObjectType> make_types() {
   all.push_back(problem_type());
   for (ObjectType& type : measure_types()) all.push_back(std::move(type));
   for (ObjectType& type : guiding_space_types()) all.push_back(std::move(type));
-  all.push_back({"trellis.Claim", "a sentence that the results are to bear out", "", {}, {}});
-  all.push_back({"trellis.Publication", "published figures and sentences", "", {}, {}});
   all.push_back({"trellis.Experiment",
                  "what a script returns to be run",
                  "",

@@ -258,13 +258,6 @@ void read_comparison(const Arguments& arguments, Experiment& experiment, lua::Fa
     experiment.baseline = arguments.string("baseline").value_or("");
     if (experiment.baseline.empty() && arguments["baseline"].given()) arguments.reject("baseline");
   });
-  faults.attempt([&] {
-    if (const auto* published = arguments["published"].get<Publication>()) {
-      experiment.published = *published;
-    } else if (arguments["published"].given()) {
-      arguments.reject("published");
-    }
-  });
 }
 
 int make_experiment(Stack& call) {
@@ -482,8 +475,6 @@ const Construct& experiment_construct() {
             "what the others are compared with; by default the first strategy without a guide, else the first"},
            {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
             "problems that trellis report lists together; tuned: whether the strategies were tuned on them (false)"},
-           {"published", "trellis.Publication", "published { ... }",
-            "published figures and sentences, to compare the results with"},
            {"ablate", "boolean|string[]", "true, or a list of names of strategies",
             "adds each strategy that has a guide, or each that is named, with every guide taken out in turn, as "
             "strategies of the report: they are scored, and without a budget",

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <dsl/language/core/construct.hpp>
+#include <dsl/language/core/replaced.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/words/functions.hpp>
 #include <dsl/language/words/problem.hpp>
@@ -182,7 +183,7 @@ std::vector<lua::Mistake> unknown_names(Stack& stack, const std::string& text, c
     const lua::Position position{script, use.line};
     mistakes.push_back(
         {script, use.line,
-         fmt::format("{}unknown name '{}'{}", position.prefix(), use.name, did_you_mean(use.name, known))});
+         fmt::format("{}unknown name '{}'{}", position.prefix(), use.name, suggestion(use.name, known))});
   }
   return mistakes;
 }
@@ -223,7 +224,7 @@ void open_modules(Stack& stack, const ScriptPlace& place, std::shared_ptr<std::v
     known.insert(known.end(), globals.begin(), globals.end());
     constexpr std::size_t longest = 60;
     const std::string shown = name->size() > longest ? name->substr(0, longest) + "..." : *name;
-    throw Error(fmt::format("unknown name '{}'{}", shown, did_you_mean(*name, known)));
+    throw Error(fmt::format("unknown name '{}'{}", shown, suggestion(*name, known)));
   });
   stack.resize(before);
 }

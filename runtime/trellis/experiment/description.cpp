@@ -320,7 +320,6 @@ ExperimentFacts facts_of(const Experiment& experiment, const ExperimentResult& r
   facts.pooled = result.pooled;
   facts.left_out = result.left_out;
   facts.uncoupled = result.uncoupled;
-  facts.published = experiment.published;
   add_obstruction(experiment, facts);
   return facts;
 }

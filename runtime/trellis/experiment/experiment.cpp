@@ -196,32 +196,6 @@ void ablate(Experiment& experiment, const std::vector<std::string>& names) {
   }
 }
 
-namespace {
-
-void check_known(const std::string& where, const char* kind, const std::string& name,
-                 const std::set<std::string>& known) {
-  if (known.contains(name)) return;
-  const std::vector<std::string> names(known.begin(), known.end());
-  throw Error(fmt::format("experiment: {}: no {} of the experiment is called '{}'{}", where, kind, name,
-                          did_you_mean(name, names)));
-}
-
-void check(const Publication& published, const std::set<std::string>& problems,
-           const std::set<std::string>& strategies) {
-  for (const auto& entry : published.entries) {
-    check_known("published", "problem", entry.problem, problems);
-    check_known("published", "strategy", entry.strategy, strategies);
-  }
-  for (const auto& claim : published.claims) {
-    const std::string where = fmt::format("published: claim '{}'", claim.text);
-    check_known(where, "problem", claim.problem, problems);
-    check_known(where, "strategy", claim.strategy, strategies);
-    for (const auto& other : claim.than) check_known(where, "strategy", other, strategies);
-  }
-}
-
-}  // namespace
-
 std::string unknown_baseline(const std::string& baseline, const std::vector<std::string>& strategies) {
   return fmt::format("experiment: baseline '{}' is no strategy{}; there are: {}", baseline,
                      did_you_mean(baseline, strategies), fmt::join(strategies, ", "));
@@ -252,7 +226,6 @@ void check(const Experiment& experiment) {
   }
   for (const auto& problem : experiment.problems) check(problem);
   check_scales(experiment);
-  if (experiment.published) check(*experiment.published, problems, strategies);
 }
 
 namespace {
@@ -439,8 +412,6 @@ void reduce(Experiment& experiment, ExperimentResult& result, const Part& part) 
   const bool complete = problems.size() == experiment.problems.size();
   experiment.problems = std::move(problems);
   experiment.seeds = std::move(kept);
-  // The published claims refer to the complete experiment.
-  experiment.published.reset();
   if (!complete) experiment.groups.clear();
   result.runs = std::move(runs);
 }
@@ -502,7 +473,6 @@ ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& op
       finished += ", without their efficiencies";
       forget_scores(result);
       experiment.measure.reset();
-      experiment.published.reset();
     };
     if (planned) {
       finished = "all runs";

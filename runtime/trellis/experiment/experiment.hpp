@@ -98,8 +98,7 @@ struct Experiment {
   /// The budget of the runs without each guide that decide which guides pay (LeftOut), as a multiple of the work of the
   /// experiment; 0: none.
   double ablation = 0.0;
-  std::optional<Publication> published;  ///< for comparison with the results
-  std::vector<ProblemGroup> groups;      ///< of some of the problems; no problem is in two
+  std::vector<ProblemGroup> groups;  ///< of some of the problems; no problem is in two
 };
 
 /// Returns the strategy to compare the others with: the named one, else the first without a guide, else the first. ""

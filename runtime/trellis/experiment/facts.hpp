@@ -183,30 +183,6 @@ struct Uncoupled {
   std::vector<std::vector<std::vector<std::size_t>>> touching = {};
 };
 
-/// Published results of an experiment, for comparison.
-struct Publication {
-  /// SE of the root's tree and expansion, nats; NaN: not given.
-  struct Entry {
-    std::string problem;
-    std::string strategy;
-    double tree = std::numeric_limits<double>::quiet_NaN();
-    double expansion = std::numeric_limits<double>::quiet_NaN();
-  };
-  /// A published claim to compare with the results: SE of a strategy is lower than that of others, or is not.
-  struct Claim {
-    enum class Role : std::uint8_t { tree, expansion };
-    std::string text;
-    std::string problem;
-    std::string strategy;
-    bool lower = true;
-    std::vector<std::string> than;  ///< strategies
-    std::vector<Role> roles;
-  };
-  std::string source;  ///< a citation
-  std::vector<Entry> entries;
-  std::vector<Claim> claims;
-};
-
 /// A guide of a strategy that may be left out, to decide whether it pays.
 struct GuideFacts {
   std::string key;    ///< Ablation::key
@@ -262,7 +238,6 @@ struct ExperimentFacts {
   std::vector<PooledScores> pooled;
   std::vector<LeftOut> left_out;
   std::vector<Uncoupled> uncoupled;
-  std::optional<Publication> published;
   Scenery scenery;
   std::string samples;  ///< the folder of the packed samples, relative to the document; "" for none
 

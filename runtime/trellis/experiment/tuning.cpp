@@ -58,7 +58,6 @@ class Tuner {
     experiment_.measure.reset();
     experiment_.ablations.clear();
     experiment_.ablation = 0.0;
-    experiment_.published.reset();
     experiment_.baseline.clear();
   }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of an experiment in the layout of papers: strategies below each other, problems side by side, and
-// published values beside the results.
+// The tables of an experiment in the layout of papers: strategies below each other, problems side by side.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -229,11 +228,6 @@ class Tables {
     head();
     for (const NamedPath& path : paths_) layout(path, headline);
     if (paths_.size() > paths().size()) disagreements();
-    if (experiment_.published) {
-      beside_published();
-      published_ranks();
-      claims();
-    }
     if (experiment_.measured) sample_ranks();
     for (const ProblemFacts& problem : experiment_.problems) others(problem);
     for (std::size_t i = 1; i < estimators_.size(); ++i) {
@@ -533,188 +527,52 @@ class Tables {
     page_.text() += '\n';
   }
 
-  [[nodiscard]] const Publication::Entry* entry(const std::string& problem, const std::string& strategy) const {
-    const auto& entries = experiment_.published->entries;
-    const auto it = std::find_if(entries.begin(), entries.end(),
-                                 [&](const auto& e) { return e.problem == problem && e.strategy == strategy; });
-    return it != entries.end() ? &*it : nullptr;
-  }
-  static double published(const Publication::Entry& entry, const NamedRole& role) {
-    return role.role == &Scores::tree ? entry.tree : entry.expansion;
-  }
-  static std::string published_text(double x) { return std::isnan(x) ? "NA" : fmt::format("{}", x); }
-
-  void beside_published() {
-    page_.heading("Beside the published figures");
-    page_.paragraph(fmt::format("Published: {}.", escaped(experiment_.published->source)));
-    for (const ProblemFacts& problem : experiment_.problems) {
-      if (std::none_of(experiment_.strategies.begin(), experiment_.strategies.end(),
-                       [&](const auto& s) { return entry(problem.name, s.name) != nullptr; })) {
-        continue;
-      }
-      std::vector<std::string> header = {escaped(problem.name), "samples", "published"};
-      for (const NamedPath& path : paths_) header.push_back(fmt::format("SE, {}", path.title));
-      page_.header(header);
-      for (const StrategyFacts& strategy : experiment_.strategies) {
-        const std::string& name = strategy.name;
-        const Publication::Entry* e = entry(problem.name, name);
-        if (e == nullptr) continue;
-        for (const NamedRole& role : roles()) {
-          std::vector<std::string> cells = {escaped(name), role.name, published_text(published(*e, role))};
-          for (const NamedPath& path : paths_) cells.push_back(supported_cell(problem.name, name, path, role));
-          page_.row(cells);
-        }
-      }
-      page_.text() += '\n';
-    }
+  /// Returns the mean number of samples over the runs. All seeds together: on other seeds' paths.
+  [[nodiscard]] double samples(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                               const NamedRole& role) const {
+    const Where where = path.where != nullptr ? path.where : paths().back().where;
+    return student_interval(per_run(experiment_.select(problem, strategy), where, role.role,
+                                    [](const Efficiency& e) { return static_cast<double>(e.samples); }))
+        .value;
   }
 
-  /// Writes a section, if it has rows: one row for each estimator, path and role, one column for each problem. Each
-  /// cell is Spearman's rank correlation of the results with other(problem, strategy, path, role), NaN where there is
-  /// none.
-  template <class Other>
-  void ranks(const std::string& title, const std::string& text, Other other) {
+  /// Writes a section, if it has rows: one row for each estimator, path and role, one column for each problem.
+  void sample_ranks() {
     std::vector<std::vector<std::string>> rows;
-    std::vector<std::string> header = {"estimator", "path", "samples"};
-    for (const ProblemFacts& problem : experiment_.problems) header.push_back(escaped(problem.name));
     for (const std::string& estimator : estimators_) {
       for (const NamedPath& path : paths_) {
         for (const NamedRole& role : roles()) {
           std::vector<std::string> cells = {escaped(estimator), path.title, role.name};
           bool any = false;
           for (const ProblemFacts& problem : experiment_.problems) {
-            std::vector<double> theirs;
-            std::vector<double> ours;
+            std::vector<double> numbers;
+            std::vector<double> figures;
             for (const StrategyFacts& strategy : experiment_.strategies) {
-              const std::string& name = strategy.name;
-              const double mine = compared(problem.name, name, path, role, estimator);
-              const double that = other(problem.name, name, path, role);
-              if (std::isnan(mine) || std::isnan(that)) continue;
-              theirs.push_back(that);
-              ours.push_back(mine);
+              const double figure = compared(problem.name, strategy.name, path, role, estimator);
+              const double number = samples(problem.name, strategy.name, path, role);
+              if (std::isnan(figure) || std::isnan(number)) continue;
+              numbers.push_back(number);
+              figures.push_back(figure);
             }
-            const double rho = rank_correlation(theirs, ours);
+            const double rho = rank_correlation(numbers, figures);
             any = any || !std::isnan(rho);
-            cells.push_back(std::isnan(rho) ? "NA" : fmt::format("{} ({})", fixed(rho), ours.size()));
+            cells.push_back(std::isnan(rho) ? "NA" : fmt::format("{} ({})", fixed(rho), figures.size()));
           }
           if (any) rows.push_back(std::move(cells));
         }
       }
     }
     if (rows.empty()) return;
-    page_.heading(title);
-    page_.paragraph(text);
+    page_.heading("Rank correlation with the number of samples");
+    page_.paragraph(
+        "Spearman's, between each estimator's figures and N, per problem, over the strategies that have both (their "
+        "number in brackets). An efficiency is to show where samples lie, not how many there are: near -1 a figure "
+        "says little more than the sample count.");
+    std::vector<std::string> header = {"estimator", "path", "samples"};
+    for (const ProblemFacts& problem : experiment_.problems) header.push_back(escaped(problem.name));
     page_.header(header);
     for (const auto& cells : rows) page_.row(cells);
     page_.text() += '\n';
-  }
-
-  void published_ranks() {
-    ranks("Rank correlation with the published figures",
-          "Spearman's, per problem, over the strategies that have both figures (their number in brackets): 1: the same "
-          "ranking, -1: the reverse. Of four strategies only ±1 is rarer than 5 % by chance (one-sided).",
-          [&](const std::string& problem, const std::string& strategy, const NamedPath&, const NamedRole& role) {
-            const Publication::Entry* e = entry(problem, strategy);
-            return e != nullptr ? published(*e, role) : nan;
-          });
-  }
-
-  void sample_ranks() {
-    ranks(
-        "Rank correlation with the number of samples",
-        "The same between each estimator's figures and N, over all strategies. An efficiency is to show where samples "
-        "lie, not how many there are: near -1 a figure says little more than the sample count.",
-        [&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
-          const Where where = path.where != nullptr ? path.where : paths().back().where;
-          return student_interval(per_run(experiment_.select(problem, strategy), where, role.role,
-                                          [](const Efficiency& e) { return static_cast<double>(e.samples); }))
-              .value;
-        });
-  }
-
-  /// Returns the verdict of a difference of two efficiencies, b - a, on "b is lower than a".
-  static std::string verdict(const Interval& difference, bool lower) {
-    if (std::isnan(difference.value)) return "NA";
-    const bool below = difference.hi < 0.0;
-    const bool above = difference.lo > 0.0;
-    const char* said = lower ? (below ? "yes" : (above ? "**no**" : "open")) : (below ? "**no**" : "yes");
-    return fmt::format("{}: {:+.2f} ± {:.2f}", said, difference.value, 0.5 * (difference.hi - difference.lo));
-  }
-
-  /// Returns the verdict of two intervals on "a is lower than b".
-  static std::string verdict(const Interval& a, const Interval& b, bool lower) {
-    if (std::isnan(a.lo) || std::isnan(b.lo)) return "NA";
-    if (std::isnan(a.value) || std::isnan(b.value)) return "blank";
-    const bool below = a.hi < b.lo;
-    const bool over = a.lo > b.hi;
-    const char* said = lower ? (below ? "yes" : (over ? "**no**" : "open")) : (below ? "**no**" : "yes");
-    return fmt::format("{}: {:+.2f} to {:+.2f}", said, a.lo - b.hi, a.hi - b.lo);
-  }
-
-  void claims() {
-    if (experiment_.published->claims.empty()) return;
-    page_.heading("What was concluded");
-    page_.paragraph(
-        "Each cell: whether our data bear the sentence out, and the mean difference of SE, paired by seed, with its 95 "
-        "% "
-        "interval; of all seeds together the difference that both intervals allow. Lower: yes where the interval lies "
-        "below 0, **no** where above, open where it holds 0. Not lower "
-        "(similar or worse): **no** where the interval lies below 0, else yes.");
-    for (const Publication::Claim& claim : experiment_.published->claims) {
-      page_.paragraph(
-          fmt::format("**{}** ({}, SE of {})", escaped(claim.text), escaped(claim.problem), escaped(claim.strategy)));
-      struct Comparison {
-        std::string other;
-        NamedRole role;
-      };
-      std::vector<Comparison> comparisons;
-      std::vector<std::string> header = {"by", "path"};
-      for (const std::string& other : claim.than) {
-        for (const Publication::Claim::Role asked : claim.roles) {
-          comparisons.push_back({other, roles()[asked == Publication::Claim::Role::tree ? 0 : 1]});
-          header.push_back(fmt::format("{}, {} {}", comparisons.back().role.name,
-                                       claim.lower ? "lower than" : "not lower than", escaped(other)));
-        }
-      }
-      page_.header(header);
-      std::vector<std::string> cells = {"published", ""};
-      for (const Comparison& c : comparisons) cells.push_back(published_verdict(claim, c.other, c.role));
-      page_.row(cells);
-      for (const std::string& estimator : estimators_) {
-        for (const NamedPath& path : paths_) {
-          // Of other estimators all seeds together have one value, without an interval.
-          if (path.where == nullptr && estimator != headline) continue;
-          cells = {escaped(estimator), path.title};
-          bool any = false;
-          for (const Comparison& c : comparisons) {
-            if (path.where == nullptr) {
-              cells.push_back(verdict(supported(claim.problem, claim.strategy, path, c.role),
-                                      supported(claim.problem, c.other, path, c.role), claim.lower));
-              any = any || cells.back() != "NA";
-              continue;
-            }
-            const auto values = [&](const std::string& strategy) {
-              return per_run(experiment_.select(claim.problem, strategy), path.where, c.role.role,
-                             [&](const Efficiency& e) { return value_by(e, estimator); });
-            };
-            cells.push_back(verdict(paired(values(c.other), values(claim.strategy)).difference, claim.lower));
-            any = any || cells.back() != "NA";
-          }
-          if (any) page_.row(cells);
-        }
-      }
-      page_.text() += '\n';
-    }
-  }
-
-  [[nodiscard]] std::string published_verdict(const Publication::Claim& claim, const std::string& other,
-                                              const NamedRole& role) const {
-    const Publication::Entry* mine = entry(claim.problem, claim.strategy);
-    const Publication::Entry* theirs = entry(claim.problem, other);
-    const double difference =
-        mine != nullptr && theirs != nullptr ? published(*mine, role) - published(*theirs, role) : nan;
-    if (std::isnan(difference)) return "NA";
-    return fmt::format("{}: {:+.2f}", (difference < 0.0) == claim.lower ? "yes" : "**no**", difference);
   }
 
   const ExperimentFacts& experiment_;

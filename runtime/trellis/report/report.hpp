@@ -38,8 +38,7 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
 
 /// Returns the root's sampling efficiency in the layout of papers, in Markdown: strategies below each other, problems
 /// side by side, the tree above the expansion. It contains every estimator, on own and other seeds' paths, and the
-/// other measures. With published values it lists both, with rank correlations, and states whether the results confirm
-/// the published claims.
+/// other measures, and the rank correlation with the number of samples.
 /// \param summary  of the experiment
 std::string report_markdown(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 

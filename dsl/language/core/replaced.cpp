@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/core/replaced.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+constexpr std::string_view comparison =
+    "a script compares the files of --out with published figures, as examples/paper/compare.py does";
+constexpr std::string_view estimator = "knn {} has the least error where the truth is known";
+
+/// Words of earlier versions, and what replaces each.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> replaced = {{
+    {"published", comparison},
+    {"claim", comparison},
+    {"kde", estimator},
+    {"histogram", estimator},
+    {"legacy", estimator},
+    {"paper", "examples/paper/attali.lua has its functions; a script beside the folder requires \"paper.attali\""},
+    {"pays", "examples/pays/experiment.lua has its functions; a script beside the folder requires \"pays.experiment\""},
+}};
+
+}  // namespace
+
+std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
+  const auto it = std::find_if(replaced.begin(), replaced.end(), [&](const auto& entry) { return entry.first == name; });
+  return it != replaced.end() ? ": " + std::string(it->second) : did_you_mean(name, known);
+}
+
+}  // namespace trellis::dsl

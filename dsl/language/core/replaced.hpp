@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace trellis::dsl {
+
+/// Returns what a message says after an unknown name: what replaces a word of an earlier version, else the nearest of
+/// the known names, "" for none.
+std::string suggestion(const std::string& name, const std::vector<std::string>& known);
+
+}  // namespace trellis::dsl
