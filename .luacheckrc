@@ -15,7 +15,7 @@ stds.trellis = {
     "world", "robots", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach",
     "problem", "target", "experiment", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
-    "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
+    "above", "exactly", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {
         "point", "disc", "rectangle", "polygon", "rigid", "arm", "urdf",

@@ -19,7 +19,7 @@ scenario "what they cost is less than what they save" (function()
   local passage = given { script = "nested.lua" }
   local nested, rrt = when { passage.nested, passage.rrt, seeds = 60 }
 
-  expect(nested, spends(fewer_than(rrt).validity_checks()))
+  expect(nested, spends(below(rrt).validity_checks()))
 end)
 
 scenario "a level that presumes validity checks no motion" (function()

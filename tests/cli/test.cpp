@@ -92,7 +92,7 @@ TEST_CASE("each matcher can fail, and prints its evidence") {
   place.script("pair.lua", pair_script);
   place.script("it_test.lua", scenario("nothing of this holds", two_trials() + R"(
     expect(hopeless, solves(at_least(0.95)))
-    expect(plain, spends(fewer_than(hopeless).validity_checks()))
+    expect(plain, spends(below(hopeless).validity_checks()))
     expect(plain, spends(at_most(10).nodes().with_confidence(0.9)))
     expect(plain, finds_paths(below(1)))
     expect(plain, has_efficiency("root", above(20)))
@@ -235,7 +235,7 @@ TEST_CASE("what scenarios are given is checked", "[slow]") {
   CHECK(says("solves(0.95)") == "solves: a criterion belongs here, as solves(at_least(0.95)), got 0.95");
   CHECK(says("spends(at_most(5))").starts_with("spends: of what? Write one of .validity_checks()"));
   CHECK(says("spends(at_most(5).validity_check())").find("(did you mean 'validity_checks'?)") != std::string::npos);
-  CHECK(says("fewer_than(5)").find("a number goes with below(x) or at_most(x)") != std::string::npos);
+  CHECK(says("below(rrt {})") == "below: takes a number, or a trial, as `when` makes it, got the planner 'rrt()'");
   CHECK(says("at_least \"much\"") == "at_least: takes a number, got \"much\"");
   CHECK(says("has_efficiency(above(2))").starts_with("has_efficiency: a level belongs first"));
   CHECK(says("has_efficiency(\"root\", above(2), { role = \"three\" })").find("tree") != std::string::npos);

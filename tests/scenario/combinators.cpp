@@ -27,9 +27,8 @@ SCENARIO("a >> b: what guides the guide", "[catalogue][combinators]") {
   GIVEN("a narrow passage") {
     const Problem problem = simple_passage_problem();
     THEN("it saves checks, and some of those that the guide alone spends") {
-      CHECK_THAT(tried(nested, problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
-      CHECK_THAT(tried(nested, problem),
-                 Spends(fewer_than(tried(guide("shrink") >> tree(), problem)).validity_checks()));
+      CHECK_THAT(tried(nested, problem), Spends(below(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(tried(nested, problem), Spends(below(tried(guide("shrink") >> tree(), problem)).validity_checks()));
     }
   }
   GIVEN("one block in the middle of an open world") {
@@ -48,9 +47,9 @@ SCENARIO("a + b: it hedges, and loses little where both mislead", "[catalogue][c
     THEN("it saves checks, and spends little more than the worse part alone; the better one spends still fewer") {
       const PlannerSpec planner = trusting(tree());
       const Trial trial = tried((one() + other()) >> planner, problem);
-      CHECK_THAT(trial, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(below(tried(tree(), problem)).validity_checks()));
       CHECK_THAT(trial, SpendsLittleMoreThan(tried(other() >> planner, problem)));
-      CHECK_THAT(trial, Spends(more_than(tried(one() >> planner, problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(above(tried(one() >> planner, problem)).validity_checks()));
     }
   }
   GIVEN("a wall of pickets, where both of them mislead") {
@@ -68,11 +67,11 @@ SCENARIO("blend: by what the parts achieve, where they achieve something", "[cat
     const Trial plain = tried(tree(), problem);
     THEN("by rates, by exp3 and by efficiency it saves checks") {
       const PlannerSpec planner = trusting(tree());
-      CHECK_THAT(tried(blend({one(), other()}) >> planner, problem), Spends(fewer_than(plain).validity_checks()));
+      CHECK_THAT(tried(blend({one(), other()}) >> planner, problem), Spends(below(plain).validity_checks()));
       CHECK_THAT(tried(blend({one(), other()}, {.rule = "exp3"}) >> planner, problem),
-                 Spends(fewer_than(plain).validity_checks()));
+                 Spends(below(plain).validity_checks()));
       CHECK_THAT(tried(blend({one(), other()}, {.credit = "efficiency"}) >> planner, problem),
-                 Spends(fewer_than(plain).validity_checks()));
+                 Spends(below(plain).validity_checks()));
     }
   }
   GIVEN("a wall of pickets, where both of them mislead") {
@@ -92,7 +91,7 @@ SCENARIO("a .. b: turns, each of which is paid", "[catalogue][combinators]") {
     const Problem problem = cup_problem();
     THEN("it saves checks") {
       CHECK_THAT(tried(sequence({other(), one()}, 50) >> trusting(tree()), problem),
-                 Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+                 Spends(below(tried(tree(), problem)).validity_checks()));
     }
   }
   GIVEN("a wall of pickets, where both of them mislead") {
@@ -109,14 +108,14 @@ SCENARIO("schedule: robots that grow, each until it is refuted", "[catalogue][co
   GIVEN("a narrow passage") {
     const Problem problem = passage(0.5, 1);
     THEN("it saves checks") {
-      CHECK_THAT(tried(growing, problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(tried(growing, problem), Spends(below(tried(tree(), problem)).validity_checks()));
     }
   }
   GIVEN("alleys, and a robot that is too long for most of their corners") {
     const Problem problem = alleys();
     THEN("refuting each of them costs checks") {
       const Trial plain = tried(tree(), problem);
-      CHECK_THAT(tried(growing, problem), Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
+      CHECK_THAT(tried(growing, problem), Spends(above(plain).validity_checks()) && LosesLittle(plain));
     }
   }
 }
@@ -129,12 +128,12 @@ SCENARIO("race: the quick one leads, the slow one is paid a slice", "[catalogue]
     const Problem problem = detour();
     const Trial trial = tried(raced, problem);
     THEN("it spends fewer checks than their mixture, than the slow one and than no guide") {
-      CHECK_THAT(trial, Spends(fewer_than(tried((slow + quick) >> tree(), problem)).validity_checks()));
-      CHECK_THAT(trial, Spends(fewer_than(tried(slow >> tree(), problem)).validity_checks()));
-      CHECK_THAT(trial, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(below(tried((slow + quick) >> tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(below(tried(slow >> tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(below(tried(tree(), problem)).validity_checks()));
     }
     THEN("the quick one alone spends fewer than a race") {
-      CHECK_THAT(trial, Spends(more_than(tried(quick >> tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(above(tried(quick >> tree(), problem)).validity_checks()));
     }
   }
   GIVEN("one block in the middle of an open world") {
@@ -157,12 +156,12 @@ SCENARIO("split: a sub-goal that halves the path, and an unnecessary one", "[cat
       for (const std::int64_t depth : {1, 2}) {
         const Trial divided = tried(skeleton >> split(trees, {.depth = depth}), problem);
         CHECK_THAT(divided, SpendsLittleMoreThan(whole));
-        CHECK_THAT(divided, Spends(fewer_than(plain).validity_checks()));
+        CHECK_THAT(divided, Spends(below(plain).validity_checks()));
       }
     }
     THEN("a tree that grows from the start alone spends more: it need not reach just this configuration") {
       CHECK_THAT(tried(skeleton >> split(tree()), problem),
-                 Spends(more_than(tried(skeleton >> tree(), problem)).validity_checks()));
+                 Spends(above(tried(skeleton >> tree(), problem)).validity_checks()));
     }
   }
   GIVEN("a cup, whose rim the path leads around") {
@@ -170,9 +169,8 @@ SCENARIO("split: a sub-goal that halves the path, and an unnecessary one", "[cat
     THEN("it saves checks beside no guide, and spends little more than undivided") {
       const Trial divided = tried(skeleton >> split(trees), problem);
       CHECK_THAT(divided, SpendsLittleMoreThan(tried(skeleton >> trees, problem)));
-      CHECK_THAT(divided, Spends(fewer_than(tried(trees, problem)).validity_checks()));
-      CHECK_THAT(tried(skeleton >> split(tree()), problem),
-                 Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(divided, Spends(below(tried(trees, problem)).validity_checks()));
+      CHECK_THAT(tried(skeleton >> split(tree()), problem), Spends(below(tried(tree(), problem)).validity_checks()));
     }
   }
   GIVEN("alleys, and a robot that is too long for most of their corners") {
@@ -219,14 +217,14 @@ SCENARIO("guiding_space: correct and wrong knowledge of its author", "[catalogue
     WHEN("it is there") {
       const Trial guided = knows.trial("door", seeds(30), "a door");
       THEN("it saves checks") {
-        CHECK_THAT(guided, Spends(fewer_than(knows.trial("plain", seeds(30), "a door")).validity_checks()));
+        CHECK_THAT(guided, Spends(below(knows.trial("plain", seeds(30), "a door")).validity_checks()));
       }
     }
     WHEN("it is a slit, and the path leads elsewhere") {
       const Trial guided = knows.trial("door", seeds(30), "a slit");
       THEN("it costs checks") {
         const Trial plain = knows.trial("plain", seeds(30), "a slit");
-        CHECK_THAT(guided, Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
+        CHECK_THAT(guided, Spends(above(plain).validity_checks()) && LosesLittle(plain));
       }
     }
   }

@@ -198,7 +198,7 @@ SCENARIO("a strategy that was built in C++ is tried as one of a script", "[testi
       const Trial plain = load(example("nested.lua")).trial("rrt", seeds(15));
       THEN("it spends a third less at the least") {
         CHECK_THAT(regions, Solves(at_least(0.9)));
-        CHECK_THAT(regions, Spends(fewer_than(plain).validity_checks().by(0.33)));
+        CHECK_THAT(regions, Spends(below(plain).validity_checks().by(0.33)));
       }
       THEN("its samples lie in the target, and its proposals fill little of it") {
         CHECK_THAT(regions, HasEfficiency(level("root").mass(), above(1.0)));
@@ -248,7 +248,7 @@ SCENARIO("anytime planners, and how little the lazy ones check", "[examples][slo
     }
     THEN("the lazy ones spend a twentieth of the checks of PRM* at the most") {
       for (const auto* name : {"lazy_prm_star", "lazy_rrg_star"}) {
-        CHECK_THAT(script.trial(name, seeds(30)), Spends(fewer_than(eager).validity_checks().by(0.95)));
+        CHECK_THAT(script.trial(name, seeds(30)), Spends(below(eager).validity_checks().by(0.95)));
       }
     }
     THEN("what a shorter path could pass through leaves the shorter path") {
@@ -381,7 +381,7 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
     THEN("guidance by the skeleton costs fewer checks than none where there is a narrow passage") {
       const Script methods = load(example("paper.lua"));
       const Trial plain = methods.trial("rrt", seeds(20), "simple_passage");
-      CHECK_THAT(methods.trial("dr_rrt", seeds(20), "simple_passage"), Spends(fewer_than(plain).validity_checks()));
+      CHECK_THAT(methods.trial("dr_rrt", seeds(20), "simple_passage"), Spends(below(plain).validity_checks()));
     }
   }
 }

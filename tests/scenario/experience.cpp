@@ -51,7 +51,7 @@ SCENARIO("experience: a world that is much the same, and one that is not", "[cat
         const Trial plain = tried(tree(), problem);
         for (const std::string follow : {"waypoints", "steps"}) {
           const StrategySpec followed = guide("experience", {{"db", file}, {"follow", follow}}) >> trusting(tree());
-          CHECK_THAT(tried(followed, problem), Spends(fewer_than(plain).validity_checks()));
+          CHECK_THAT(tried(followed, problem), Spends(below(plain).validity_checks()));
         }
       }
     }
@@ -82,7 +82,7 @@ SCENARIO("learned: worlds of the family that it was learnt of, and those of anot
       THEN("it saves checks") {
         for (const Problem& problem : {upper_gaps(1), upper_gaps(2)}) {
           CHECK_THAT(tried(learned >> trusting(tree()), problem),
-                     Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+                     Spends(below(tried(tree(), problem)).validity_checks()));
         }
       }
     }
@@ -90,7 +90,7 @@ SCENARIO("learned: worlds of the family that it was learnt of, and those of anot
       THEN("it costs checks") {
         for (const Problem& problem : {lower_gaps(1), lower_gaps(2)}) {
           const Trial plain = tried(tree(), problem);
-          CHECK_THAT(tried(learned >> trusting(tree()), problem), Spends(more_than(plain).validity_checks()));
+          CHECK_THAT(tried(learned >> trusting(tree()), problem), Spends(above(plain).validity_checks()));
           CHECK_THAT(tried(learned >> tree(), problem), LosesLittle(plain));
         }
       }

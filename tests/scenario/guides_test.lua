@@ -21,7 +21,7 @@ scenario "regions along the medial axis find a doorway" (function()
   local guided, plain = when { it.guided, it.plain, seeds = 20 }
   expect(guided, solves(at_least(0.95)))
   expect(guided, finds_paths())
-  expect(guided, spends(fewer_than(plain).validity_checks().by(0.2)))
+  expect(guided, spends(below(plain).validity_checks().by(0.2)))
   expect(guided, has_efficiency("root", above(plain), { part = "mass" }))
 end)
 
@@ -34,7 +34,7 @@ scenario "a bias to the goal gains where nothing blocks the path" (function()
     },
   }
   local greedy, patient = when { it.greedy, it.patient, seeds = 20 }
-  expect(greedy, spends(fewer_than(patient).nodes().by(0.5).with_confidence(0.99)))
+  expect(greedy, spends(below(patient).nodes().by(0.5).with_confidence(0.99)))
   expect(greedy, finds_paths(below(patient)))
 end)
 

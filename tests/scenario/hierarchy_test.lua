@@ -21,7 +21,7 @@ local function pays(what, world, seeds, share)
     for _, guided in ipairs { nested, nested_connect, three_levels } do
       expect(guided, solves(exactly(1)))
       expect(guided, finds_paths())
-      expect(guided, spends(fewer_than(planner).validity_checks().by(share)))
+      expect(guided, spends(below(planner).validity_checks().by(share)))
     end
   end)
 end
@@ -40,7 +40,7 @@ scenario "a smaller robot between the skeleton and the planner pays where gaps a
     strategies = { alone = skeleton() >> tree, nested = skeleton() >> shrink(0.5) >> tree },
   }
   local alone, nested = when { it.alone, it.nested, seeds = 20 }
-  expect(nested, spends(fewer_than(alone).validity_checks().by(0.1)))
+  expect(nested, spends(below(alone).validity_checks().by(0.1)))
 end)
 
 scenario "a roadmap that validates lazily solves the scenes of the paper" (function()

@@ -128,57 +128,57 @@ TEST_CASE("solves: with a confidence it speaks of all seeds, and 12 are few") {
 }
 
 TEST_CASE("spends: fewer than another, seed by seed, with a confidence") {
-  const Said said = judge(guided(), spends(fewer_than(plain()).validity_checks()));
+  const Said said = judge(guided(), spends(below(plain()).validity_checks()));
   INFO(said.text);
   CHECK(said.holds);
   CHECK_THAT(said.text, StartsWith("guided spends fewer validity checks than plain: 0."));
   CHECK_THAT(said.text, Contains("with 95 % confidence; less on "));
 
-  const Said reversed = judge(plain(), spends(fewer_than(guided()).validity_checks()));
+  const Said reversed = judge(plain(), spends(below(guided()).validity_checks()));
   CHECK_FALSE(reversed.holds);
   CHECK_THAT(reversed.help, Contains("; guided spent "));
   CHECK_THAT(reversed.help, StartsWith("seed "));
   // No strategy spends less than itself, however often it is tested.
-  CHECK_FALSE(judge(plain(), spends(fewer_than(plain()).validity_checks())).holds);
-  CHECK_FALSE(judge(guided(), spends(fewer_than(plain()).validity_checks().by(0.99))).holds);
+  CHECK_FALSE(judge(plain(), spends(below(plain()).validity_checks())).holds);
+  CHECK_FALSE(judge(guided(), spends(below(plain()).validity_checks().by(0.99))).holds);
 }
 
 TEST_CASE("spends: a run without a path has spent its budget for nothing") {
   // It spent far fewer checks than the others, and found no path.
-  const Said said = judge(hopeless(), spends(fewer_than(plain()).validity_checks()));
+  const Said said = judge(hopeless(), spends(below(plain()).validity_checks()));
   CHECK_FALSE(said.holds);
   CHECK_THAT(said.text, Contains("12 without a path"));
   CHECK_THAT(said.help, Contains("found no path (budget spent); spent "));
   CHECK_FALSE(judge(hopeless(), spends(at_most(1e9).validity_checks())).holds);
   CHECK(judge(hopeless(), spends(exactly(10).proposals())).holds);
   // The cost of `hopeless` is a lower bound of its cost to a path, so guided may cost more than that.
-  CHECK_FALSE(judge(guided(), spends(fewer_than(hopeless()).validity_checks())).holds);
+  CHECK_FALSE(judge(guided(), spends(below(hopeless()).validity_checks())).holds);
 }
 
 TEST_CASE("spends: more than another, which is what misleads") {
-  const Said said = judge(plain(), spends(more_than(guided()).validity_checks()));
+  const Said said = judge(plain(), spends(above(guided()).validity_checks()));
   INFO(said.text);
   CHECK(said.holds);
   CHECK_THAT(said.text, StartsWith("plain spends more validity checks than guided: "));
   CHECK_THAT(said.text, Contains(" times as many at the median, at least ") && Contains("; more on "));
-  CHECK(judge(plain(), spends(more_than(guided()).validity_checks().by(1.0))).holds);
+  CHECK(judge(plain(), spends(above(guided()).validity_checks().by(1.0))).holds);
 
-  const Said reversed = judge(guided(), spends(more_than(plain()).validity_checks().by(0.2)));
+  const Said reversed = judge(guided(), spends(above(plain()).validity_checks().by(0.2)));
   CHECK_FALSE(reversed.holds);
   CHECK_THAT(reversed.text, StartsWith("guided spends 20 % more validity checks than plain: 0."));
   CHECK_THAT(reversed.help, StartsWith("seed ") && Contains("; plain spent "));
-  CHECK_FALSE(judge(plain(), spends(more_than(plain()).validity_checks())).holds);
-  CHECK_FALSE(judge(plain(), spends(more_than(guided()).validity_checks().by(1e6))).holds);
+  CHECK_FALSE(judge(plain(), spends(above(plain()).validity_checks())).holds);
+  CHECK_FALSE(judge(plain(), spends(above(guided()).validity_checks().by(1e6))).holds);
 }
 
 TEST_CASE("spends: more than a run without a path cannot be shown") {
   // The cost of `hopeless` to a path is unknown; its actual cost is at most its budget.
-  CHECK_FALSE(judge(plain(), spends(more_than(hopeless()).validity_checks())).holds);
-  CHECK_FALSE(judge(hopeless(), spends(more_than(plain()).validity_checks())).holds);
+  CHECK_FALSE(judge(plain(), spends(above(hopeless()).validity_checks())).holds);
+  CHECK_FALSE(judge(hopeless(), spends(above(plain()).validity_checks())).holds);
   const Trial beaten = trial_of("beaten", rrt({{"proposals", 5.0}}));
-  CHECK_FALSE(judge(hopeless(), spends(more_than(beaten).proposals())).holds);
+  CHECK_FALSE(judge(hopeless(), spends(above(beaten).proposals())).holds);
   const Said few =
-      judge(trial_of("plain", rrt(), 4), spends(more_than(trial_of("guided", guide("skeleton") >> rrt(), 4)).nodes()));
+      judge(trial_of("plain", rrt(), 4), spends(above(trial_of("guided", guide("skeleton") >> rrt(), 4)).nodes()));
   CHECK_FALSE(few.holds);
   CHECK_THAT(few.text, Contains("at least -∞ times") && Contains("; 4 seeds show nothing"));
 }
@@ -186,7 +186,7 @@ TEST_CASE("spends: more than a run without a path cannot be shown") {
 TEST_CASE("spends: too few seeds show nothing, and it says how many would") {
   const Trial few = trial_of("guided", guide("skeleton") >> rrt(), 4);
   const Trial others = trial_of("plain", rrt(), 4);
-  const Said said = judge(few, spends(fewer_than(others).validity_checks()));
+  const Said said = judge(few, spends(below(others).validity_checks()));
   CHECK_FALSE(said.holds);
   CHECK_THAT(said.text, Contains("; 4 seeds show nothing with 95 % confidence, however they come out: that takes 5"));
 }
@@ -229,8 +229,8 @@ TEST_CASE("finds_paths: valid, and no longer than asked for") {
   CHECK_FALSE(said.holds);
   CHECK_THAT(said.text, StartsWith("plain finds valid paths, below 5 m long: "));
   CHECK_FALSE(judge(hopeless(), finds_paths()).holds);
-  CHECK_FALSE(judge(plain(), finds_paths(fewer_than(plain()))).holds);
-  CHECK_THAT(judge(plain(), finds_paths(more_than(guided()))).text,
+  CHECK_FALSE(judge(plain(), finds_paths(below(plain()))).holds);
+  CHECK_THAT(judge(plain(), finds_paths(above(guided()))).text,
              StartsWith("plain finds valid paths longer than those of guided: "));
 }
 
@@ -312,17 +312,17 @@ TEST_CASE("is_deterministic: counts make a budget that reproduces, seconds do no
 
 TEST_CASE("trials that cannot be compared are an error") {
   const Trial shorter = trial_of("plain", rrt(), 5);
-  CHECK_THROWS_WITH(judge(guided(), spends(fewer_than(shorter).nodes())), Contains("their seeds differ"));
+  CHECK_THROWS_WITH(judge(guided(), spends(below(shorter).nodes())), Contains("their seeds differ"));
   const Trial elsewhere = trial_of("plain", rrt(), 12, test::cup_problem());
-  CHECK_THROWS_WITH(judge(guided(), spends(fewer_than(elsewhere).nodes())), Contains("they are on different problems"));
+  CHECK_THROWS_WITH(judge(guided(), spends(below(elsewhere).nodes())), Contains("they are on different problems"));
 }
 
 TEST_CASE("criteria that mean nothing for a matcher are refused") {
   CHECK_THROWS_WITH(solves(at_least(95)), "solves: a share is in [0, 1], got 95");
   CHECK_THROWS_WITH(solves(at_least(0.5).nodes()), "solves: takes a share of the seeds, as solves(at_least(0.95))");
   CHECK_THROWS_WITH(spends(at_most(5)), StartsWith("spends: of what? Write one of .validity_checks()"));
-  CHECK_THROWS_WITH(spends(fewer_than(plain()).nodes().by(1.5)), StartsWith("spends: by(x) is a share"));
-  CHECK_NOTHROW(spends(more_than(plain()).nodes().by(1.5)));
+  CHECK_THROWS_WITH(spends(below(plain()).nodes().by(1.5)), StartsWith("spends: by(x) is a share"));
+  CHECK_NOTHROW(spends(above(plain()).nodes().by(1.5)));
   CHECK_THROWS_WITH(at_most(5).by(0.1), "by: 'at most 5' compares with no other trial");
   CHECK_THROWS_WITH(at_most(5).with_confidence(95), StartsWith("with_confidence: a confidence is a number"));
   CHECK_THROWS_WITH(has_efficiency("root", exactly(2)), StartsWith("has_efficiency: an estimate is nothing exactly"));

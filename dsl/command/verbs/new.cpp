@@ -68,7 +68,7 @@ scenario "the medial axis guides the tree through the doorway" (function()
 
   expect(guided, solves(at_least(0.95)))
   -- Compared seed by seed, with 95 % confidence.
-  expect(guided, spends(fewer_than(planner).validity_checks()))
+  expect(guided, spends(below(planner).validity_checks()))
   -- In nats above uniform sampling, more is better: how many more nodes of its tree lie near its path.
   expect(guided, has_efficiency("root", above(0.5), { part = "mass" }))
 end)

@@ -17,12 +17,14 @@ constexpr std::string_view comparison =
 constexpr std::string_view estimator = "knn {} has the least error where the truth is known";
 
 /// Words of earlier versions, and what replaces each.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> replaced = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> replaced = {{
     {"published", comparison},
     {"claim", comparison},
     {"kde", estimator},
     {"histogram", estimator},
     {"legacy", estimator},
+    {"fewer_than", "below(trial) compares with another trial"},
+    {"more_than", "above(trial) compares with another trial"},
     {"paper", "examples/paper/attali.lua has its functions; a script beside the folder requires \"paper.attali\""},
     {"pays", "examples/pays/experiment.lua has its functions; a script beside the folder requires \"pays.experiment\""},
 }};

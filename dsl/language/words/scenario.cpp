@@ -145,9 +145,9 @@ struct Method {
   Criterion (*apply)(const Criterion&, Value argument);
 };
 
-double number_argument(const char* name, Value value) {
+double number_argument(const char* name, Value value, const char* expects = "a number") {
   const auto number = value.number();
-  if (!number) throw Error(fmt::format("{}: takes a number, got {}", name, describe(value)));
+  if (!number) throw Error(fmt::format("{}: takes {}, got {}", name, expects, describe(value)));
   return *number;
 }
 
@@ -238,18 +238,10 @@ int make_bound(Stack& call) {
                                                                {Criterion::Kind::exactly, "exactly"}};
   if constexpr (kind == Criterion::Kind::below || kind == Criterion::Kind::above) {
     if (const auto* other = call[1].get<Trial>()) return call.result(Criterion(kind, *other));
+    constexpr const char* expects = "a number, or a trial, as `when` makes it";
+    return call.result(Criterion(kind, number_argument(names.at(kind), call[1], expects)));
   }
   return call.result(Criterion(kind, number_argument(names.at(kind), call[1])));
-}
-
-template <Criterion::Kind kind>
-int make_comparison(Stack& call) {
-  if (const auto* other = call[1].get<Trial>()) return call.result(Criterion(kind, *other));
-  constexpr bool less = kind == Criterion::Kind::below;
-  const char* const bounds =
-      less ? "; a number goes with below(x) or at_most(x)" : "; a number goes with above(x) or at_least(x)";
-  throw Error(fmt::format("{}: takes a trial, as `when` makes it, got {}{}", less ? "fewer_than" : "more_than",
-                          describe(call[1]), call[1].number() ? bounds : ""));
 }
 
 int make_solves(Stack& call) {
@@ -257,7 +249,7 @@ int make_solves(Stack& call) {
 }
 
 int make_spends(Stack& call) {
-  constexpr const char* usage = "spends(fewer_than(plain).validity_checks())";
+  constexpr const char* usage = "spends(below(plain).validity_checks())";
   return call.result(trial::spends(criterion_argument("spends", usage, call[1])));
 }
 
@@ -290,7 +282,9 @@ const std::vector<Function>& plain_functions() {
   const auto bound = [](const char* name, const char* usage, const char* summary, bool trial, int (*call)(Stack&)) {
     const char* const expects = trial ? "a number, or a trial" : "a number";
     const char* const doc =
-        trial ? "against another trial it goes seed by seed, as fewer_than does" : "a share, nats, metres, or how many";
+        trial ? "against another trial, on the same problem and seeds, it goes seed by seed; .by(0.2) asks for 20 % at "
+                "the least"
+              : "a share, nats, metres, or how many";
     return Function{
         function_construct(name, usage, summary, {{"x", trial ? "number|trellis.Trial" : "number", expects, doc, true}},
                            criterion_type),
@@ -308,31 +302,17 @@ const std::vector<Function>& plain_functions() {
               make_bound<Kind::above>),
         bound("exactly", "exactly(0).validity_checks()", "a criterion: just so much, in every run", false,
               make_bound<Kind::exactly>)};
-    all.push_back(
-        {function_construct("fewer_than", "fewer_than(plain).validity_checks()",
-                            "a criterion: less than another trial spends, seed by seed",
-                            {{"trial", "trellis.Trial", "a trial",
-                              "on the same problem and seeds; .by(0.2) asks for 20 % less at the least", true}},
-                            criterion_type),
-         make_comparison<Kind::below>});
-    all.push_back(
-        {function_construct("more_than", "more_than(plain).validity_checks()",
-                            "a criterion: more than another trial spends, seed by seed: what misleads",
-                            {{"trial", "trellis.Trial", "a trial",
-                              "on the same problem and seeds; .by(0.2) asks for 20 % more at the least", true}},
-                            criterion_type),
-         make_comparison<Kind::above>});
     all.push_back({function_construct(
                        "solves", "solves(at_least(0.95))", "a matcher: the share of the seeds whose run finds a path",
                        {{"share", criterion_type, "a criterion",
                          "of a number in [0, 1]; with .with_confidence(0.95) it speaks of all seeds there are", true}},
                        matcher_type),
                    make_solves});
-    all.push_back({function_construct("spends", "spends(fewer_than(plain).validity_checks())",
+    all.push_back({function_construct("spends", "spends(below(plain).validity_checks())",
                                       "a matcher: what runs spend until they have a path, at the median over seeds",
                                       {{"criterion", criterion_type, "a criterion with a quantity",
                                         "as at_most(5000).validity_checks(); a run without a path counts as more than "
-                                        "any other, with more_than as what it has spent",
+                                        "any other, with above as what it has spent",
                                         true}},
                                       matcher_type),
                    make_spends});

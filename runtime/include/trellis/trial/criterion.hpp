@@ -114,11 +114,5 @@ inline Criterion below(Trial other) { return {Criterion::Kind::below, std::move(
 /// Requires more than another trial, paired by seed.
 /// \param other  on the same seeds
 inline Criterion above(Trial other) { return {Criterion::Kind::above, std::move(other)}; }
-/// As `below`, for a cost.
-/// \param other  on the same seeds
-inline Criterion fewer_than(Trial other) { return below(std::move(other)); }
-/// As `above`, for a cost.
-/// \param other  on the same seeds
-inline Criterion more_than(Trial other) { return above(std::move(other)); }
 
 }  // namespace trellis::trial
