@@ -11,7 +11,7 @@ stds.trellis = {
     "learned", "team", "decouple", "prioritise", "couple",
     "tube", "near_optimal", "progress",
     "knn", "exact", "arc",
-    "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
+    "sequence", "blend", "schedule", "race", "split", "guiding_space", "box", "disc", "polygon",
     "world", "robots", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach",
     "problem", "target", "experiment", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",

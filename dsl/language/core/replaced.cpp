@@ -17,12 +17,13 @@ constexpr std::string_view comparison =
 constexpr std::string_view estimator = "knn {} has the least error where the truth is known";
 
 /// Words of earlier versions, and what replaces each.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> replaced = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> replaced = {{
     {"published", comparison},
     {"claim", comparison},
     {"kde", estimator},
     {"histogram", estimator},
     {"legacy", estimator},
+    {"ablations", "experiment { ablate = true } adds the strategies without each guide"},
     {"fewer_than", "below(trial) compares with another trial"},
     {"more_than", "above(trial) compares with another trial"},
     {"paper", "examples/paper/attali.lua has its functions; a script beside the folder requires \"paper.attali\""},
@@ -32,7 +33,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> replaced 
 }  // namespace
 
 std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-  const auto it = std::find_if(replaced.begin(), replaced.end(), [&](const auto& entry) { return entry.first == name; });
+  const auto it =
+      std::find_if(replaced.begin(), replaced.end(), [&](const auto& entry) { return entry.first == name; });
   return it != replaced.end() ? ": " + std::string(it->second) : did_you_mean(name, known);
 }
 

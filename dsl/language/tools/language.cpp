@@ -91,14 +91,14 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
 
 std::vector<const Construct*> constructs() {
   std::vector<const Construct*> all = combinator_constructs();
-  all.push_back(&ablations_construct());
   for (const Construct* construct : guiding_space_constructs()) all.push_back(construct);
   for (const Construct* construct : world_constructs()) all.push_back(construct);
   for (const Construct* construct : spatial_world_constructs()) all.push_back(construct);
   for (const Construct* construct : manipulator_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &robot_file_construct(), &exists_construct(),
-                         &target_construct(), &experiment_construct(), &tune_construct(), &help_construct(), &require_construct()});
+                         &target_construct(), &experiment_construct(), &tune_construct(), &help_construct(),
+                         &require_construct()});
   for (const Construct* construct : scenario_constructs()) all.push_back(construct);
   return all;
 }

@@ -12,7 +12,6 @@
 #include <dsl/language/core/word.hpp>
 #include <dsl/language/words/combine.hpp>
 #include <dsl/language/words/measure.hpp>
-#include <trellis/strategy/ablation.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace trellis::dsl {
@@ -309,50 +308,7 @@ void declare_spec(Stack& stack, lua::Callback equality, lua::Callback index, con
   stack.declare<T>(metamethods);
 }
 
-int make_ablations(Stack& call) {
-  const Arguments arguments(ablations_construct(), call);
-  std::optional<StrategySpec> strategy;
-  arguments.each([&](std::size_t i, Value value) {
-    strategy = as_strategy(value);
-    if (i == 1 && strategy) return;
-    throw Error(fmt::format("ablations: takes one strategy, as guide >> planner, got {}",
-                            i == 1 ? describe(value) : fmt::format("{} as number {}", describe(value), i)));
-  });
-  if (!strategy) throw Error("ablations: takes one strategy, as guide >> planner, got nothing");
-  const std::vector<Ablation> taken = trellis::ablations(*strategy);
-  if (taken.empty()) {
-    throw Error(fmt::format("ablations: the strategy '{}' has no guide that could be taken out", strategy->text()));
-  }
-  const Value list = call.push_table();
-  const auto add = [&](const std::string& name, const StrategySpec& spec) {
-    const Value pair = call.push_table();
-    call.push(name);
-    call.append(pair);
-    call.push_object(spec);
-    call.append(pair);
-    call.append(list);
-  };
-  add("whole", *strategy);
-  for (const Ablation& ablation : taken) add(ablation.text(), ablation.strategy);
-  return 1;
-}
-
 }  // namespace
-
-const Construct& ablations_construct() {
-  static const Construct construct = {
-      .name = "ablations",
-      .usage = "ablations(skeleton() >> shrink(0.5) >> rrt {})",
-      .summary = "a strategy, and what is left of it without each of its guides, under names",
-      .list =
-          "one strategy; what comes back is a list of pairs {\"name\", strategy}, as experiment's 'strategies' takes "
-          "it, the strategy itself first as \"whole\"",
-      .element = "trellis.Strategy",
-      .fields = {},
-      .options = {},
-      .returns = "{ [1]: string, [2]: trellis.Strategy }[]"};
-  return construct;
-}
 
 std::vector<ObjectType> algebra_types() {
   const std::string guide = "trellis.Guide", planner = "trellis.Planner", strategy = "trellis.Strategy";
@@ -381,8 +337,6 @@ void open_algebra(Stack& stack, const ScriptPlace& place, const std::shared_ptr<
     stack.set_global(component->name);
   }
   open_combinators(stack, place);
-  stack.push_function(make_ablations);
-  stack.set_global(ablations_construct().name);
 }
 
 }  // namespace trellis::dsl

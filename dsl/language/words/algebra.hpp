@@ -12,15 +12,12 @@
 
 namespace trellis::dsl {
 
-/// Registers the specs and their operators, a constructor for each planner and guide of the registry, and functions of
-/// complete strategies. Files in their options are relative to the script's folder, and must lie there unless the
+/// Registers the specs and their operators, and a constructor for each planner and guide of the
+/// registry. Files in their options are relative to the script's folder, and must lie there unless the
 /// script is trusted.
 /// \param warnings  receives what an operator leaves out, with its line
 void open_algebra(lua::Stack& stack, const ScriptPlace& place,
                   const std::shared_ptr<std::vector<std::string>>& warnings);
-
-/// ablations(strategy).
-const Construct& ablations_construct();
 
 /// Planners, guides and strategies, and the results of their operators.
 struct ObjectType;
