@@ -18,7 +18,7 @@ stds.trellis = {
     "above", "exactly", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {
-        "point", "disc", "rectangle", "polygon", "rigid", "arm", "urdf",
+        "point", "disc", "rectangle", "rigid", "arm", "urdf",
       },
     },
     motion = {

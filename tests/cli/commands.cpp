@@ -462,10 +462,10 @@ TEST_CASE("check names inputs that are valid and probably mistakes") {
   };
   const std::string rim = "the reference point of the robot of problem 'problem' lies ";
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"p = " + problem("robot.polygon { {0.3, 0}, {0.9, 0}, {0.9, 0.2}, {0.3, 0.2} }") + "\n" +
+      {"p = " + problem("robot.rigid { polygon { {0.3, 0}, {0.9, 0}, {0.9, 0.2}, {0.3, 0.2} } }") + "\n" +
            strategies("a = skeleton() >> rrt {}"),
        "skeleton() in strategy 'a': " + rim + "outside or on the rim of its body"},
-      {"p = " + problem("robot.polygon { {0, 0}, {0.3, 0}, {0.3, 0.1}, {0, 0.1} }") + "\n" +
+      {"p = " + problem("robot.rigid { polygon { {0, 0}, {0.3, 0}, {0.3, 0.1}, {0, 0.1} } }") + "\n" +
            strategies("a = shrink(0.5) >> skeleton() >> rrt {}"),
        rim + "outside or on the rim of its body"},
       {"p = " + problem("robot.rectangle(0.8, 0.6)") + "\n" + strategies("a = rrt {}"),

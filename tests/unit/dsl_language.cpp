@@ -100,7 +100,7 @@ TEST_CASE("worlds and robots are made of shapes") {
   CHECK(problem("problem { robot = robot.point()" + around).scene->is_point());
   CHECK(problem("problem { robot = robot.disc(0.3)" + around).space.dimension() == 2);
   CHECK(problem("problem { robot = robot.rectangle { 0.3, 0.1, rotates = false }" + around).space.dimension() == 2);
-  CHECK(problem("problem { robot = robot.polygon { {0, 0}, {0.5, 0}, {0, 0.5}, rotates = false }" + around)
+  CHECK(problem("problem { robot = robot.rigid { polygon { {0, 0}, {0.5, 0}, {0, 0.5} }, rotates = false }" + around)
             .space.name() == "R^2");
 }
 

@@ -350,7 +350,8 @@ lua::Callback missing_field(const std::string& module) {
     const auto name = call[2].string();
     const auto known = call[1].keys().names;
     if (!name) throw Error(fmt::format("{} has no field {}", module, describe(call[2])));
-    throw Error(fmt::format("{} has no '{}'{}; it has: {}", module, *name, did_you_mean(*name, known), joined(known)));
+    throw Error(
+        fmt::format("{} has no '{}'{}; it has: {}", module, *name, suggestion(*name, known, module), joined(known)));
   };
 }
 

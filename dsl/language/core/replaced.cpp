@@ -17,7 +17,7 @@ constexpr std::string_view comparison =
 constexpr std::string_view estimator = "knn {} has the least error where the truth is known";
 
 /// Words of earlier versions, and what replaces each.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 10> replaced = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 11> replaced = {{
     {"published", comparison},
     {"claim", comparison},
     {"kde", estimator},
@@ -26,15 +26,17 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 10> replaced
     {"ablations", "experiment { ablate = true } adds the strategies without each guide"},
     {"fewer_than", "below(trial) compares with another trial"},
     {"more_than", "above(trial) compares with another trial"},
+    {"robot.polygon", "robot.rigid { polygon { ... } }"},
     {"paper", "examples/paper/attali.lua has its functions; a script beside the folder requires \"paper.attali\""},
     {"pays", "examples/pays/experiment.lua has its functions; a script beside the folder requires \"pays.experiment\""},
 }};
 
 }  // namespace
 
-std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
+std::string suggestion(const std::string& name, const std::vector<std::string>& known, const std::string& module) {
+  const std::string word = module.empty() ? name : module + '.' + name;
   const auto it =
-      std::find_if(replaced.begin(), replaced.end(), [&](const auto& entry) { return entry.first == name; });
+      std::find_if(replaced.begin(), replaced.end(), [&](const auto& entry) { return entry.first == word; });
   return it != replaced.end() ? ": " + std::string(it->second) : did_you_mean(name, known);
 }
 

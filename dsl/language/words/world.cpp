@@ -156,17 +156,6 @@ const Construct& rectangle_construct() {
                                       .returns = "trellis.Robot"};
   return construct;
 }
-const Construct& polygon_robot_construct() {
-  static const Construct construct = {.name = "robot.polygon",
-                                      .usage = "robot.polygon { {x, y}, {x, y}, {x, y} }",
-                                      .summary = "a simple polygon, its reference point at (0, 0)",
-                                      .list = "its vertices in order",
-                                      .element = "number[]",
-                                      .fields = {},
-                                      .options = rigid_settings().component(),
-                                      .returns = "trellis.Robot"};
-  return construct;
-}
 const Construct& rigid_construct() {
   static const Construct construct = {
       .name = "robot.rigid",
@@ -433,11 +422,6 @@ int make_rectangle(Stack& call) {
   }
   const Vec2 half{size[0] / 2, size[1] / 2};
   return call.result(Robot::rigid({Box2{-1.0 * half, half}}, rotates(arguments)));
-}
-
-int make_polygon_robot(Stack& call) {
-  const Arguments arguments(polygon_robot_construct(), call);
-  return call.result(Robot::rigid({vertices(polygon_robot_construct(), arguments)}, rotates(arguments)));
 }
 
 int make_rigid(Stack& call) {
@@ -804,9 +788,8 @@ void push_obstacle(Stack& stack, const Scene& scene, std::size_t obstacle) {
 }
 
 std::vector<const Construct*> world_constructs() {
-  return {&box_construct(),   &disc_construct,       &polygon_construct,     &world_construct(),
-          &point_construct(), &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
-          &rigid_construct(), &arm_construct(),      &team_construct()};
+  return {&box_construct(),      &disc_construct,        &polygon_construct, &world_construct(), &point_construct(),
+          &disc_robot_construct, &rectangle_construct(), &rigid_construct(), &arm_construct(),   &team_construct()};
 }
 
 std::vector<ObjectType> world_types() {
@@ -839,7 +822,6 @@ void open_world(Stack& stack) {
   for (const auto& [name, make] : std::vector<std::pair<std::string, int (*)(Stack&)>>{{"point", make_point},
                                                                                        {"disc", make_disc_robot},
                                                                                        {"rectangle", make_rectangle},
-                                                                                       {"polygon", make_polygon_robot},
                                                                                        {"rigid", make_rigid},
                                                                                        {"arm", make_arm}}) {
     stack.push_function(make);
