@@ -2,8 +2,8 @@
 -- Named strategies
 --
 -- The methods that Attali et al. 2022 evaluate, with their published parameters (docs/methods.md has what was published
--- and what differs). Then strategies beyond the paper, and the guides of the methods alone, to be composed with
--- anything, at any level.
+-- and what differs) and one more, then the guides of the methods alone, to be composed with anything, at any level.
+-- The RRT of the paper is the planner rrt {}.
 --
 -- Each takes a table of what shall differ; those that close a strategy have the planner at the root as `planner`:
 --
@@ -68,12 +68,6 @@ local function grown(o, uniform_share)
 end
 
 -- The methods of the paper ----------------------------------------------------------------------------------------
-
-define("rrt", {
-  "no guidance: the tree alone", source = "LaValle and Kuffner 2001, Randomized kinodynamic planning", options = tree,
-}, function(o)
-  return rrt { step = o.step, goal_bias = o.goal_bias }
-end)
 
 define("lazy_prm", {
   "a roadmap in the world without obstacles, repaired where its shortest path is blocked",
@@ -174,72 +168,12 @@ end)
 
 -- Beyond the paper ------------------------------------------------------------------------------------------------
 
-define("rrt_connect", {
-  "two trees", source = "Kuffner and LaValle 2000, RRT-Connect", options = { "rrt_connect", step = 0.5 },
-}, function(o) return rrt_connect { step = o.step } end)
-
-local short = closed_by("rrt { step = 0.5 }")
-
 define("nested", {
-  "skeletons feeding shrunken robots feeding lazy checks", options = { { "shrink", scale = 0.5 }, short },
+  "skeletons feeding shrunken robots feeding lazy checks",
+  options = { { "shrink", scale = 0.5 }, closed_by("rrt { step = 0.5 }") },
   usage = "strategies.nested { scale = 0.7, planner = rrt_connect {} }",
 }, function(o)
   return skeleton() >> shrink(o.scale) >> lazy() >> (o.planner or rrt { step = 0.5 })
-end)
-
-define("hybrid", {
-  "a share of dr_rrt's proposals, the rest irc's",
-  options = {
-    {
-      name = "share", default = 0.5, lo = 0, hi = 1, unit = "share of guided proposals",
-      doc = "share of dr_rrt's regions; the rest is irc's",
-    },
-    regions, relaxation, tree, { "rrt", uniform = 0.1 },
-  },
-}, function(o)
-  local levels = part(o, relaxation)
-  levels.uniform = 0.5
-  local halves = o.share * strategies.regions(part(o, regions)) + (1 - o.share) * strategies.relaxation(levels)
-  return halves >> (o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform })
-end)
-
-define("blend", {
-  "the guides of dr_rrt and irc, by what each achieves",
-  options = {
-    { "blend", floor = 0.2, credit = "node" }, { name = "memory", of = "blend", as = "decay", default = 0.98 },
-    regions, relaxation, tree, { "rrt", uniform = 0.1 },
-  },
-}, function(o)
-  local levels = part(o, relaxation)
-  levels.uniform = 0.5
-  local guides = blend {
-    strategies.regions(part(o, regions)), strategies.relaxation(levels),
-    floor = o.floor, decay = o.memory, credit = o.credit,
-  }
-  return guides >> (o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform })
-end)
-
-define("skeleton", { "the medial axis of the workspace", options = short }, function(o)
-  return skeleton() >> (o.planner or rrt { step = 0.5 })
-end)
-
-define("shrinking", {
-  "ever larger robots, by the tubes about their paths",
-  options = {
-    {
-      name = "scales", type = "number[]", default = {0.25, 0.5, 0.75}, expects = "a list of numbers in (0, 1]",
-      doc = "the robots from the smallest to the largest, each by the size of the next",
-    },
-    short,
-  },
-}, function(o)
-  local strategy = o.planner or rrt { step = 0.5 }
-  for i = #o.scales, 1, -1 do strategy = shrink(o.scales[i]) >> strategy end
-  return strategy
-end)
-
-define("biases", { "sampling biases without a space behind them, mixed", options = short }, function(o)
-  return (0.5 * uniform() + 0.3 * gaussian() + 0.2 * bridge_test()) >> (o.planner or rrt { step = 0.5 })
 end)
 
 return strategies

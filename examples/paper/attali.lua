@@ -29,9 +29,32 @@ local function listed(names, make)
   end
 end
 
+-- The options in `given`, and those of `default` that it does not have.
+local function options_of(default, given)
+  local options = {}
+  for option, value in pairs(default) do options[option] = value end
+  for option, value in pairs(given or {}) do options[option] = value end
+  return options
+end
+
+-- What is a planner alone, and the mixtures of the guides of dr_rrt and irc, which take options of their rrt: hybrid as
+-- Attali et al. 2024 (arXiv 2404.03133) mix them, blend by what each achieves.
+local composed = {
+  rrt = function(given) return rrt(given or {}) end,
+  rrt_connect = function(given) return rrt_connect(given or {}) end,
+  hybrid = function(given)
+    return 0.5*strategies.regions() + 0.5*strategies.relaxation() >> rrt(options_of({ uniform = 0.1 }, given))
+  end,
+  blend = function(given)
+    local guides = blend { strategies.regions(), strategies.relaxation(), decay = 0.98 }
+    return guides >> rrt(options_of({ uniform = 0.1 }, given))
+  end,
+}
+local function method(name, given) return (composed[name] or strategies[name])(given) end
+
 -- Every method under its name.
 attali.methods = listed({ "rrt", "lazy_prm", "dr_rrt", "irc", "vonasek", "rrt_connect", "nested", "hybrid", "blend" },
-  function(name, given) return strategies[name](given) end)
+  method)
 
 -- What differs in the library that the authors used: no effective goal bias, regions never dropped, edges checked to
 -- their end.
@@ -44,10 +67,7 @@ local presets = {
 
 -- A method of the paper as that library does it: attali.preset("irc", { scales = {0.5} }).
 function attali.preset(name, given)
-  local options = {}
-  for option, value in pairs(presets[name]) do options[option] = value end
-  for option, value in pairs(given or {}) do options[option] = value end
-  return strategies[name](options)
+  return method(name, options_of(presets[name], given))
 end
 
 -- The paper's own methods, so.

@@ -112,8 +112,8 @@ complete(found trellis run x.lua --palette p)
 expect("--palette p" "${found}" "^paper\n$")
 complete(found trellis run m)
 expect("trellis run m" "${found}" "^mine.lua\nmine_test.lua\n$")
-complete(found trellis help strategies.shrinki)
-expect("trellis help strategies.shrinki" "${found}" "^strategies.shrinking\n$")
+complete(found trellis help strategies.relaxati)
+expect("trellis help strategies.relaxati" "${found}" "^strategies.relaxation\n$")
 
 run(ignored ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${PLACE}/consumer -G ${GENERATOR}
     -D CMAKE_PREFIX_PATH=${root} -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_CXX_FLAGS=${FLAGS}

@@ -304,7 +304,7 @@ TEST_CASE("help lists the options of a function of the standard library, with it
   CHECK(default_of("rrt", "bound") == "2");
   CHECK(default_of("strategies.dr_rrt", "drop") == "1000");
   CHECK(default_of("rrt", "checks") == "math.huge");
-  CHECK(default_of("strategies.blend", "memory") == "0.98");
+  CHECK(default_of("strategies.lazy_prm", "batch") == "200");
 }
 
 TEST_CASE("help lists the operators and members of a type") {

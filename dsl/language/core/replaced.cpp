@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::string_view comparison =
     "a script compares the files of --out with published figures, as examples/paper/compare.py does";
+constexpr std::string_view mixtures = "examples/paper/attali.lua composes the guides of dr_rrt and irc";
 constexpr std::string_view estimator = "knn {} has the least error where the truth is known";
 
 /// Words of earlier versions, and what replaces each.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 11> replaced = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 18> replaced = {{
     {"published", comparison},
     {"claim", comparison},
     {"kde", estimator},
@@ -27,6 +28,13 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 11> replaced
     {"fewer_than", "below(trial) compares with another trial"},
     {"more_than", "above(trial) compares with another trial"},
     {"robot.polygon", "robot.rigid { polygon { ... } }"},
+    {"strategies.rrt", "rrt {}"},
+    {"strategies.rrt_connect", "rrt_connect {}"},
+    {"strategies.hybrid", mixtures},
+    {"strategies.blend", mixtures},
+    {"strategies.skeleton", "skeleton() >> rrt {}"},
+    {"strategies.shrinking", "shrink(0.25) >> shrink(0.5) >> shrink(0.75) >> rrt {}"},
+    {"strategies.biases", "0.5*uniform() + 0.3*gaussian() + 0.2*bridge_test() >> rrt {}"},
     {"paper", "examples/paper/attali.lua has its functions; a script beside the folder requires \"paper.attali\""},
     {"pays", "examples/pays/experiment.lua has its functions; a script beside the folder requires \"pays.experiment\""},
 }};

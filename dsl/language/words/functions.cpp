@@ -121,14 +121,7 @@ class DescriptionReader {
     const auto text = [&](const char* field) { return entry.field(field).string().value_or(""); };
     const std::string name = text("name");
     const Value value = entry.field("default");
-    if (entry.field("of").given()) {
-      const Component& component = part(text("of"));
-      const Option* option = component.find(entry.field("as").string().value_or(name));
-      if (option == nullptr) fail(fmt::format("{} has no option '{}'", component.name, text("as")));
-      Option renamed = *option;
-      renamed.name = name;
-      add(std::move(renamed), value);
-    } else if (entry.field("type").given()) {
+    if (entry.field("type").given()) {
       add(Field{name, type_of(text("type")), text("expects"), text("doc"), false, text("default_text")}, value);
     } else {
       constexpr double infinity = std::numeric_limits<double>::infinity();

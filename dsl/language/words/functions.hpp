@@ -23,7 +23,6 @@ struct Definitions {
 /// against the description, and calls `make` with the defaults and the given values. `returns` is a type of the
 /// language: "guide", "strategy", "problem", or a LuaCATS type. `options` lists
 ///     { "shrink", radius = 0, evidence = 100 }     options of a component or construct, with other defaults;
-///     { of = "blend", as = "decay", name = "memory", default = 0.98 }     one of them under another name;
 ///     { name = "share", default = 0.5, lo = 0, hi = 1, unit = "...", doc = "..." }     a number of its own;
 ///     { name = "scales", type = "number[]", default = {0.5}, expects = "...", doc = "..." }     anything else;
 ///     { like = "problem", default = {...} }     all that a construct takes, nothing of it required;
