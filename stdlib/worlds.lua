@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT-0
--- Worlds that a seed generates, and small worlds in which guides mislead
+-- Worlds that a seed generates
 --
 -- Each function makes a problem, and takes a table of what shall differ:
 --
@@ -291,55 +291,6 @@ generated("bug_trap", "a box around the start; its only opening, 0.5 wide, leads
     return {0, 0, 10, 10}, all, {4.8, 5, 0}, {9, 5, 0}
   end)
 
-generated("open_world", "a world without obstacles", "worlds.open_world()", {}, function()
-  return {0, 0, 10, 10}, {}, {1, 5, 0}, {9, 5, 0}
-end)
-
--- Worlds that mislead ---------------------------------------------------------------------------------------------
-
--- The scenarios of tests/scenario in which guides cost checks.
-local function misleading(name, summary, boxes, start, goal, body)
-  local obstacles = {}
-  for i, b in ipairs(boxes) do obstacles[i] = box(b) end
-  local default = {
-    name = name, world = world { bounds = {0, 0, 10, 10}, obstacles },
-    robot = body or robot_of(1), start = start, goal = goal,
-  }
-  worlds[name] = native.define({
-    "worlds." .. name, summary, returns = "problem", usage = "worlds." .. name .. " { resolution = 0.02 }",
-    options = { like = "problem", default = default },
-  }, problem)
-end
-
-misleading("block", "one block in the middle of an open world, which needs no guide",
-  { {4.5, 4.5, 5.5, 5.5} }, {1, 5, 0}, {9, 5, 0})
-
-misleading("thin_wall", "a wall 0.1 thick with room to pass above it, which widen() removes",
-  { {4.95, 0, 5.05, 8.5} }, {1, 3, 0}, {9, 3, 0})
-
-misleading("detour", "a wall with a slit that half the robot passes and the robot does not; below it there is room",
-  { {4, 1, 6, 4.94}, {4, 5.06, 6, 10} }, {2, 5, 0}, {8, 5, 0})
-
-misleading("alleys", "alleys with corners, and a robot that is too long to turn about most of them",
-  { {3, 1, 4.6, 6}, {5, 1, 7, 4.6}, {3, 6.4, 7, 9}, {5, 5, 7, 6} }, {2, 5, 0}, {8, 5, 0}, robot.rectangle(1.6, 0.2))
-
-local pickets = {}
-for i = 0, 5 do
-  local y = 2.5 + i * 1.25
-  pickets[i + 1] = {4.8, y, 5.2, i == 5 and 10 or y + 1.13}
-end
-misleading("pickets", "a wall of pickets with slits that only a point passes; below it there is room",
-  pickets, {2, 6, 0}, {8, 6, 0})
-
-local rows = {}
-for column = 0, 3 do
-  for row = 0, 5 do
-    local x, y = 3 + column * 1.1, 1.5 + row * 1.2
-    rows[#rows + 1] = {x, y, x + 0.7, y + 0.7}
-  end
-end
-misleading("rows", "rows of boxes with gaps that the robot passes", rows, {1, 5, 0}, {9, 5, 0})
-
 -- Worlds of space -------------------------------------------------------------------------------------------------
 
 -- As `generated`, for a plank of 1.6 x 1 x 0.2 metres times `size`.
@@ -426,9 +377,5 @@ generated_in_space("slot", "a slot between two blocks, which the plank passes ly
     local boxes = { box {4, 0, 0, 6, 10, below}, box {4, 0, above, 6, 10, 10} }
     return {0, 0, 0, 10, 10, 10}, boxes, pose_at(1, 5, 5, upright), pose_at(9, 5, 5, upright)
   end)
-
-generated_in_space("open_space", "a world of space without obstacles", "worlds.open_space {}", {}, function()
-  return {0, 0, 0, 10, 10, 10}, {}, pose_at(1, 1, 1, upright), pose_at(9, 9, 9, flat)
-end)
 
 return worlds

@@ -37,6 +37,60 @@ local dynobench = {
 local function image_file(family, number) return ("mp_datasets/%s/validation/%d.png"):format(family, number) end
 local function dynobench_file(name) return "dynobench/" .. name .. ".yaml" end
 
+-- A world of the robot of the paper, with obstacles that are boxes.
+local function of_boxes(name, boxes, start, goal, body)
+  local obstacles = {}
+  for i, b in ipairs(boxes) do obstacles[i] = box(b) end
+  return problem {
+    name = name, world = world { bounds = {0, 0, 10, 10}, obstacles }, robot = body or robot.rectangle(0.6, 0.2),
+    start = start, goal = goal,
+  }
+end
+
+local function open_world() return of_boxes("open_world", {}, {1, 5, 0}, {9, 5, 0}) end
+
+-- Small worlds in which guides cost checks.
+local function misleading()
+  -- Slits that only a point passes; below them there is room.
+  local pickets = {}
+  for i = 0, 5 do
+    local y = 2.5 + i * 1.25
+    pickets[i + 1] = {4.8, y, 5.2, i == 5 and 10 or y + 1.13}
+  end
+  -- Gaps that the robot passes.
+  local rows = {}
+  for column = 0, 3 do
+    for row = 0, 5 do
+      local x, y = 3 + column * 1.1, 1.5 + row * 1.2
+      rows[#rows + 1] = {x, y, x + 0.7, y + 0.7}
+    end
+  end
+  return {
+    -- It needs no guide.
+    of_boxes("block", { {4.5, 4.5, 5.5, 5.5} }, {1, 5, 0}, {9, 5, 0}),
+    -- A wall 0.1 m thick, with room to pass above it, which widen() removes.
+    of_boxes("thin_wall", { {4.95, 0, 5.05, 8.5} }, {1, 3, 0}, {9, 3, 0}),
+    -- A wall with a slit that half the robot passes and the robot does not; below it there is room.
+    of_boxes("detour", { {4, 1, 6, 4.94}, {4, 5.06, 6, 10} }, {2, 5, 0}, {8, 5, 0}),
+    -- Alleys with corners, and a robot that is too long to turn about most of them.
+    of_boxes("alleys", { {3, 1, 4.6, 6}, {5, 1, 7, 4.6}, {3, 6.4, 7, 9}, {5, 5, 7, 6} }, {2, 5, 0}, {8, 5, 0},
+      robot.rectangle(1.6, 0.2)),
+    of_boxes("pickets", pickets, {2, 6, 0}, {8, 6, 0}),
+    of_boxes("rows", rows, {1, 5, 0}, {9, 5, 0}),
+    worlds.boxes { name = "boxes_120" }, open_world(),
+  }
+end
+
+-- The plank of the module worlds alone in space.
+local function open_space()
+  return problem {
+    name = "open_space", world = world { bounds = {0, 0, 0, 10, 10, 10} },
+    robot = robot.rigid { box {-0.8, -0.5, -0.1, 0.8, 0.5, 0.1} },
+    start = pose { 1, 1, 1, axis = {0, 1, 0}, angle = math.pi / 2 },
+    goal = pose { 9, 9, 9, axis = {0, 0, 1}, angle = 0 },
+  }
+end
+
 -- Worlds from existing files. An image has no robot: the paper's robot crosses it from corner to corner.
 local function from_files()
   local all = {}
@@ -73,7 +127,7 @@ local function spatial_groups()
       {
         worlds.slot {}, worlds.windows { walls = 1, name = "windows_1" }, worlds.windows { name = "windows_2" },
         worlds.floating_boxes { name = "floating_boxes_60" },
-        worlds.floating_boxes { boxes = 150, seed = 2, name = "floating_boxes_150" }, worlds.open_space(),
+        worlds.floating_boxes { boxes = 150, seed = 2, name = "floating_boxes_150" }, open_space(),
       },
     },
   }
@@ -96,13 +150,7 @@ local function all_groups(catalogue, mazes, space)
   if space then return spatial_groups() end
   local groups = { { "paper", { scenes.simple_passage(), scenes.trap(), scenes.cup() }, tuned = true } }
   if catalogue then
-    groups[2] = {
-      "misleading",
-      {
-        worlds.block(), worlds.thin_wall(), worlds.detour(), worlds.alleys(), worlds.pickets(), worlds.rows(),
-        worlds.boxes { name = "boxes_120" }, worlds.open_world(),
-      },
-    }
+    groups[2] = { "misleading", misleading() }
     return groups
   end
   local all_mazes = {
@@ -132,7 +180,7 @@ local function all_groups(catalogue, mazes, space)
     "other",
     {
       worlds.bug_trap(), worlds.slalom { name = "slalom_8" }, worlds.boxes { name = "boxes_120" },
-      worlds.boxes { boxes = 200, seed = 4, size = 0.6, name = "boxes_200" }, worlds.open_world(),
+      worlds.boxes { boxes = 200, seed = 4, size = 0.6, name = "boxes_200" }, open_world(),
       worlds.dead_ends { name = "dead_ends_4" }, worlds.dead_ends { pockets = 8, name = "dead_ends_8" },
     },
   }
