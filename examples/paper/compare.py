@@ -40,6 +40,7 @@ ROLES = ("tree", "expansion")
 TITLES = {"pooled": "all seeds together", "own": "own path", "cross": "other seeds' paths"}
 FIELDS = {"own": "self", "cross": "cross"}  # of the document
 HEADLINE = "headline"
+FEWEST = 5  # seeds that give an interval, as in reports
 
 
 def published(problem, strategy, role):
@@ -189,10 +190,10 @@ def verdict_of_runs(mine, theirs, lower):
     if not pairs:
         return "NA"
     mean = sum(pairs) / len(pairs)
-    half = math.nan
-    if len(pairs) > 1:
-        variance = sum((x - mean) ** 2 for x in pairs) / (len(pairs) - 1)
-        half = student_quantile(len(pairs) - 1) * math.sqrt(variance / len(pairs))
+    if len(pairs) < FEWEST:
+        return f"{mean:+.2f}"
+    variance = sum((x - mean) ** 2 for x in pairs) / (len(pairs) - 1)
+    half = student_quantile(len(pairs) - 1) * math.sqrt(variance / len(pairs))
     return verdict(mean - half, mean + half, lower, f"{mean:+.2f} ± {half:.2f}")
 
 
@@ -248,7 +249,7 @@ def claims(results):
     print("\n## What was concluded\n\nEach cell: whether our data bear the sentence out, and the mean difference of SE, "
           "paired by seed, with its 95 % interval; of all seeds together the difference that both intervals allow. "
           "Lower: yes where the interval lies below 0, **no** where above, open where it holds 0. Not lower (similar or "
-          "worse): **no** where the interval lies below 0, else yes.\n")
+          "worse): **no** where the interval lies below 0, else yes. Fewer than five seeds have no interval.\n")
     for text, problem, strategy, lower, others, roles in CLAIMS:
         pairs = [(other, role) for other in others for role in roles]
         if not {strategy, *others} <= set(results.strategies) or problem not in results.problems:
