@@ -11,9 +11,9 @@ stds.trellis = {
     "learned", "team", "decouple", "prioritise", "couple",
     "tube", "near_optimal", "progress",
     "knn", "exact", "arc",
-    "sequence", "blend", "schedule", "race", "split", "guiding_space", "box", "disc", "polygon",
-    "world", "robots", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach",
-    "problem", "target", "experiment", "given", "when", "is_deterministic",
+    "sequence", "blend", "schedule", "race", "split", "guiding_space", "box", "disc", "polygon", "world",
+    "robots", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "point_cloud", "reach", "problem",
+    "target", "experiment", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
     "above", "exactly", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
@@ -33,14 +33,13 @@ stds.trellis = {
     },
     strategies = {
       fields = {
-        "rrt", "lazy_prm", "regions", "dr_rrt", "relaxation", "irc", "several", "vonasek", "rrt_connect",
-        "nested", "hybrid", "blend", "skeleton", "shrinking", "biases",
+        "lazy_prm", "regions", "dr_rrt", "relaxation", "irc", "several", "vonasek", "nested",
       },
     },
     worlds = {
       fields = {
-        "maze", "false_gaps", "rooms", "boxes", "slalom", "dead_ends", "bug_trap", "open_world", "block",
-        "thin_wall", "detour", "alleys", "pickets", "rows", "windows", "floating_boxes", "slot", "open_space",
+        "maze", "false_gaps", "rooms", "boxes", "slalom", "dead_ends", "bug_trap", "windows", "floating_boxes",
+        "slot",
       },
     },
   },
