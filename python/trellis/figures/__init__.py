@@ -15,11 +15,15 @@
 | `waterfall` | what does each level add? |
 | `correlation` | which nats predict the checks? |
 | `scales` | how do the costs depend on an option? |
+| `world` | where did each strategy search, and what path did it find? |
+| `levels_of_world` | what did each level search, and what did it hand up? |
+| `strip` | how does the robot move? |
+| `schedule` | which robot of a team waits, and how close do they come? |
 | `tables` | the numbers: frames of pandas, CSV, Markdown, LaTeX |
 
 Each function takes a document (a path, a dict, a `trellis.Result`, or what `read` returned) and `ax=`, and returns the
 axes. Text has 7 pt; the baseline is grey, and each other strategy has a colour, a mark and a dash by its place in the
-document, the same in every figure. Medians, intervals and verdicts are those of the document. Widths are 86 mm (a
+document, the same in every figure. Pictures of worlds show the samples of `trellis run --samples` or `--out`. Medians, intervals and verdicts are those of the document. Widths are 86 mm (a
 column) or 178 mm (a page). pyplot is not used, and no setting of matplotlib is changed.
 
 Needs numpy and matplotlib (Debian: python3-matplotlib); tables need pandas (python3-pandas).
@@ -35,6 +39,8 @@ from ._document import Error, Interval, Results, read
 from ._measure import correlation, scales, waterfall
 from ._save import save, supported, svg
 from ._tables import tables
+from ._teams import schedule
+from ._worlds import levels_of_world, strip, world
 
 __all__ = [
     "Error",
@@ -44,13 +50,17 @@ __all__ = [
     "correlation",
     "costs",
     "levels",
+    "levels_of_world",
     "ratios",
     "read",
     "save",
     "scales",
+    "schedule",
+    "strip",
     "success",
     "supported",
     "svg",
     "tables",
     "waterfall",
+    "world",
 ]

@@ -11,6 +11,8 @@ from ._document import Document, Results, read
 from ._measure import correlation, scales, waterfall
 from ._save import save
 from ._tables import tables
+from ._teams import schedule
+from ._worlds import levels_of_world, strip, world
 
 
 class Figures:
@@ -53,6 +55,22 @@ class Figures:
     def scales(self, **options: Any) -> Any:
         """How do the costs depend on an option? See `trellis.figures.scales`."""
         return scales(self.results, **options)
+
+    def world(self, **options: Any) -> Any:
+        """Where did each strategy search, and what path did it find? See `trellis.figures.world`."""
+        return world(self.results, **options)
+
+    def levels_of_world(self, **options: Any) -> Any:
+        """What did each level search, and what did it hand up? See `trellis.figures.levels_of_world`."""
+        return levels_of_world(self.results, **options)
+
+    def strip(self, **options: Any) -> Any:
+        """How does the robot move? See `trellis.figures.strip`."""
+        return strip(self.results, **options)
+
+    def schedule(self, **options: Any) -> Any:
+        """Which robot of a team waits, and how close do they come? See `trellis.figures.schedule`."""
+        return schedule(self.results, **options)
 
     def tables(self, format: Optional[str] = None) -> Dict[str, Any]:
         """The numbers. See `trellis.figures.tables`."""

@@ -59,15 +59,17 @@ class Results:
     strategies: the names of the strategies: the baseline, then the others by the mean logarithm of the ratios of their
                 costs to the baseline's, the cheapest first. Without those that `ablate` adds.
     baseline:   the strategy that the others are compared with, "" for none.
+    samples:    the folder with the samples of the runs, None of a document without one.
     """
 
     document: Dict[str, Any]
     file: str
+    samples: Optional[str]
     problems: List[str]
     strategies: List[str]
     baseline: str
 
-    def __init__(self, document: Mapping[str, Any], file: str = "the document") -> None:
+    def __init__(self, document: Mapping[str, Any], file: str = "the document", samples: Optional[str] = None) -> None:
         head = document.get("trellis")
         if not isinstance(head, Mapping) or not isinstance(document.get("experiment"), Mapping):
             raise Error(f"{file}: this is no document of `trellis run --json`")
@@ -78,6 +80,8 @@ class Results:
             )
         self.document = dict(document)
         self.file = file
+        self.samples = samples
+        self.index: Any = None  # of the samples, once a figure reads them
         experiment = document["experiment"]
         self.problems = [problem["name"] for problem in experiment["problems"]]
         self._specs = {strategy["name"]: strategy for strategy in experiment["strategies"]}
@@ -242,19 +246,22 @@ def check_cost(cost: str, known: Sequence[str]) -> None:
 Document = Union[str, "os.PathLike[str]", Mapping[str, Any], Results, Any]
 
 
-def read(document: Document) -> Results:
+def read(document: Document, samples: Union[None, str, "os.PathLike[str]"] = None) -> Results:
     """Returns the results of a document.
 
     document: the path of a file of `trellis run --json`, its content as a dict, a `trellis.Result`, or a `Results`,
               which is returned as it is.
+    samples:  the folder of `trellis run --samples` with the samples of the document's runs (default the folder that
+              the document names, seen from its own folder). Figures of worlds and levels show them.
 
     Raises `Error` for a document of another format, and for a file that is no document; OSError where the file cannot
     be read.
     """
+    given = None if samples is None else os.fspath(samples)
     if isinstance(document, Results):
-        return document
+        return document if given is None else Results(document.document, document.file, given)
     if isinstance(document, Mapping):
-        return Results(document)
+        return Results(document, samples=given)
     if isinstance(document, (str, os.PathLike)):
         file = os.fspath(document)
         with open(file, encoding="utf-8") as stream:
@@ -264,8 +271,10 @@ def read(document: Document) -> Results:
                 raise Error(f"{file}: this is no JSON document ({fault})") from fault
         if not isinstance(content, Mapping):
             raise Error(f"{file}: this is no document of `trellis run --json`")
-        return Results(content, file)
+        if given is None and content.get("samples"):
+            given = os.path.join(os.path.dirname(file), str(content["samples"]))
+        return Results(content, file, given)
     content = getattr(document, "document", None)
     if isinstance(content, Mapping):
-        return Results(content)
+        return Results(content, samples=given)
     raise Error(f"a document is a path, a dict or a result, got {type(document).__name__}")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import os
 import pathlib
-from typing import Any, Callable, Dict, List, Optional, Sequence, Union
+import re
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from ._costs import costs, levels, ratios, success, supported_levels
 from ._document import Document, Error, Results, read
 from ._measure import _waterfalls, correlate, correlation, options, scales, waterfall
 from ._tables import ENDINGS, texts_of
+from ._teams import schedule, scheduled
+from ._worlds import levels_of_world, strip, supported_pictures, world
 
 FORMATS = ("svg", "pdf", "png")
 # No dates, so that a document gives the same bytes on any day.
@@ -63,6 +66,28 @@ def svg(what: Any) -> str:
     return whole[whole.index("<svg"):]
 
 
+def _pictures(results: Results) -> Dict[str, List[Dict[str, str]]]:
+    """The figures of worlds and motions, each with the arguments of all its pictures."""
+    return {**supported_pictures(results), "schedule": [{"problem": name} for name in scheduled(results)]}
+
+
+def _picture_stems(results: Results, pictures: Mapping[str, Sequence[Mapping[str, str]]]) -> List[Tuple[str, str, Any]]:
+    """The stem of each picture's files, its function and its arguments: world-PROBLEM, of levels with the strategy."""
+    stems: List[Tuple[str, str, Any]] = []
+    used: Dict[str, int] = {}
+    for name, every in pictures.items():
+        for arguments in every:
+            if arguments["problem"] not in results.problems[:_MOST]:
+                continue
+            parts = [re.sub(r"[^A-Za-z0-9._+-]+", "_", part) for part in arguments.values()]
+            stem = "-".join([name, *parts])
+            used[stem.lower()] = used.get(stem.lower(), 0) + 1
+            if used[stem.lower()] > 1:
+                stem = f"{stem}-{used[stem.lower()]}"
+            stems.append((stem, name, arguments))
+    return stems
+
+
 def supported(document: Document) -> List[str]:
     """The names of the figures that a document has data for."""
     results = read(document)
@@ -77,7 +102,7 @@ def supported(document: Document) -> List[str]:
         found.append("correlation")
     if options(results):
         found.append("scales")
-    return found
+    return found + [name for name, pictures in _pictures(results).items() if pictures]
 
 
 _FIGURES: Dict[str, Callable[[Results], Any]] = {
@@ -89,6 +114,13 @@ _FIGURES: Dict[str, Callable[[Results], Any]] = {
     "correlation": correlation,
     "scales": scales,
 }
+_PICTURES: Dict[str, Callable[..., Any]] = {
+    "world": world,
+    "levels_of_world": levels_of_world,
+    "strip": strip,
+    "schedule": schedule,
+}
+_MOST = 12  # problems whose worlds and motions `save` draws
 
 
 def save(what: Any, folder: Union[str, "os.PathLike[str]"], formats: Sequence[str] = FORMATS, *,
@@ -96,7 +128,9 @@ def save(what: Any, folder: Union[str, "os.PathLike[str]"], formats: Sequence[st
     """Writes figures, with the style of the figures whatever the user's settings are. The same document gives the same
     bytes.
 
-    what:    a document (what `read` takes): all figures that it has data for, as costs.svg, and its tables. Or a
+    what:    a document (what `read` takes): all figures that it has data for, as costs.svg, and its tables. Worlds and
+             motions are drawn of its first twelve problems, as world-PROBLEM.svg, levels_of_world-PROBLEM-STRATEGY.svg
+             of each strategy with guides and samples, strip-PROBLEM.svg, and schedule-PROBLEM.svg of teams. Or a
              figure, axes, or an array of axes, as the functions return them: that figure.
     folder:  where the files are written; it is made if it is not there.
     formats: of "svg", "pdf" and "png" (default all three). Text is outlines in SVG, and an embedded font in PDF.
@@ -122,7 +156,10 @@ def save(what: Any, folder: Union[str, "os.PathLike[str]"], formats: Sequence[st
     place.mkdir(parents=True, exist_ok=True)
     written: List[pathlib.Path] = []
     for one in supported(results):
-        written += _write(_figure_of(_FIGURES[one](results)), place / one, formats)
+        if one in _FIGURES:
+            written += _write(_figure_of(_FIGURES[one](results)), place / one, formats)
+    for stem, one, arguments in _picture_stems(results, _pictures(results)):
+        written += _write(_figure_of(_PICTURES[one](results, **arguments)), place / stem, formats)
     for file, text in texts_of(results, texts).items():
         path = place / file
         path.write_bytes(text.encode("utf-8"))
