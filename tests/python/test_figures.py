@@ -165,8 +165,8 @@ class Documents(unittest.TestCase):
         text = pathlib.Path(PLACE.name, "text.json")
         text.write_text("not JSON", encoding="utf-8")
         for fault, call in {
-            "format 2; figures read format 3": lambda: figures.read(other),
-            "format 1; figures read format 3": lambda: figures.read({**content, "trellis": {"version": "0.0.1"}}),
+            "format 2; figures read format 4": lambda: figures.read(other),
+            "format 1; figures read format 4": lambda: figures.read({**content, "trellis": {"version": "0.0.1"}}),
             "no document of `trellis run --json`": lambda: figures.costs({"runs": []}),
             "text.json: this is no JSON document": lambda: figures.costs(str(text)),
             "a document is a path, a dict or a result, got int": lambda: figures.read(3),

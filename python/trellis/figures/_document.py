@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-FORMAT = 3
+FORMAT = 4
 
 _QUANTITIES = ("validity_checks", "motion_checks", "time_s", "cpu_s")
 

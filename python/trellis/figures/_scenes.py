@@ -354,7 +354,8 @@ class TreeRobot(_Spatial):
     def columns(self) -> List[int]:
         out = [-1]  # the base, whose parent it is itself
         for body in self.raw["bodies"][1:]:
-            out.append(int(body["column"]) if body["kind"] != "fixed" else out[body["parent"]])
+            moves = body["kind"] != "fixed" and body["column"] >= 0
+            out.append(int(body["column"]) if moves else out[body["parent"]])
         return out
 
     def poses(self, rows: Array) -> List[Tuple[Array, Array]]:
@@ -394,7 +395,7 @@ def _joint(body: Mapping[str, Any], rows: Array, axis: Array) -> Tuple[Optional[
         return moved, about(axis, rows[:, k + 2]) if kind == "planar" else None
     if kind in ("floating", "sliding"):
         return rows[:, k:k + 3], unit(rows[:, k + 3:k + 7]) if kind == "floating" else None
-    if kind == "fixed":
+    if kind == "fixed" or k < 0:
         return None, None
     value = body["multiplier"] * rows[:, k] + body["offset"]
     if kind == "prismatic":
@@ -474,6 +475,16 @@ class Member(NamedTuple):
     colour: str
 
 
+_TEAM = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8C564B", "#6A51A3")
+
+
+def _member_colour(place: int) -> str:
+    """The colours of Okabe and Ito but black, two more, and then all of them darker."""
+    share = 0.6 ** (place // len(_TEAM))
+    colour = _TEAM[place % len(_TEAM)]
+    return "#" + "".join(f"{round(int(colour[k:k + 2], 16) * share):02X}" for k in (1, 3, 5))
+
+
 class Scene:
     """World, robot and space of a problem.
 
@@ -490,8 +501,8 @@ class Scene:
         self.robot = robot
         self.space = Space(raw["axes"], raw.get("rotations") or ())
         self.traces = _traces(self.dimension, raw, robot, len(raw["axes"]))
-        self.team = [Member(int(one["number"]), [int(k) for k in one["axes"]], str(one["colour"]))
-                     for one in raw.get("team") or []]
+        self.team = [Member(int(one["number"]), [int(k) for k in one["axes"]], _member_colour(i))
+                     for i, one in enumerate(raw.get("team") or [])]
         self.start = _configuration(problem.get("start"), len(raw["axes"]))
         goals = [problem.get("goal"), *(problem.get("further_goals") or [])]
         self.goals = [one for one in (_configuration(goal, len(raw["axes"])) for goal in goals) if one is not None]
@@ -584,8 +595,9 @@ class Index:
         self.runs: Dict[Tuple[str, str, str], Mapping[str, str]] = {}
         index = folder / "index.json"
         try:
-            listed = json.loads(index.read_text(encoding="utf-8"))["runs"]
-            for one in listed:
+            content = json.loads(index.read_text(encoding="utf-8"))
+            self.robots = [robot_of(raw) for raw in content["robots"]]
+            for one in content["runs"]:
                 self.runs[one["problem"], one["strategy"], str(one["seed"])] = one
         except FileNotFoundError:
             raise Error(f"{index} is missing: name the folder of `trellis run --samples` as samples=") from None
@@ -623,13 +635,12 @@ def levels_of(results: Results, run: Mapping[str, Any], scene: Scene) -> Optiona
         return None
     try:
         packed = json.loads((index.folder / entry["file"]).read_text(encoding="utf-8"))
-        robots = json.loads((index.folder / entry["robots"]).read_text(encoding="utf-8"))
     except FileNotFoundError as missing:
         raise Error(f"{missing.filename} is missing, which {index.folder / 'index.json'} lists") from missing
     last = {turn[0]: turn[4] for turn in packed["turns"] if turn[4]}
     levels = []
     for number, raw in enumerate(packed["levels"]):
-        robot = robot_of(robots[raw["robot"]]) if raw["robot"] >= 0 else None
+        robot = index.robots[raw["robot"]] if raw["robot"] >= 0 else None
         level = Level(raw, robot, scene, None)
         if number in last:
             level.path = level.space.rows(last[number])

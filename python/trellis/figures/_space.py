@@ -18,8 +18,8 @@ _DENSITY = 300 / 25.4  # pixels per millimetre of a file
 
 
 def camera(azimuth: float, elevation: float) -> Array:
-    """The directions to the right, upwards and towards the viewer, as columns; angles in radians."""
-    a, e = azimuth, elevation
+    """The directions to the right, upwards and towards the viewer, as columns; angles in degrees."""
+    a, e = np.radians([azimuth, elevation])
     to = np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
     right = np.array([-np.sin(a), np.cos(a), 0.0])
     return np.stack([right, np.cross(to, right), to], 1)
@@ -244,6 +244,11 @@ class SpaceView:
     def aspect(self) -> float:
         """Height by width."""
         return float((self.hi[1] - self.lo[1]) / (self.hi[0] - self.lo[0]))
+
+    def content(self) -> Array:
+        """The obstacles in the picture, as far as the bounds go."""
+        inside = np.clip(self.surfaces.vertices, self.scene.lo, self.scene.hi)
+        return (inside @ self.view)[:, :2]
 
     def project(self, points: Array) -> Array:
         """Points of the world in the picture, with their depth."""

@@ -87,6 +87,35 @@ def view_of(scene: Scene, bounds: Optional[Tuple[Array, Array]] = None) -> View:
     return PlaneView(scene, bounds) if scene.dimension == 2 else SpaceView(scene, bounds)
 
 
+def whole_view(scene: Scene, paths: Sequence[Array]) -> View:
+    """The picture of the world; of space without its rim, where obstacles and robots on the paths take little of it."""
+    view = view_of(scene)
+    if not isinstance(view, SpaceView):
+        return view
+    ends = [q[None] for q in (scene.start, *scene.goals) if q is not None]
+    rows = [*ends, *(path[:: 1 + len(path) // 40] for path in paths)]
+    points = [view.content()] + [part for some in rows for part in _parts(scene, view, some)]
+    every = np.concatenate(points)
+    lo, hi = np.maximum(every.min(0), view.lo), np.minimum(every.max(0), view.hi)
+    margin = 0.05 * max(hi - lo)
+    lo, hi = np.maximum(lo - margin, view.lo), np.minimum(hi + margin, view.hi)
+    return view_of(scene, (lo, hi)) if max((hi - lo) / (view.hi - view.lo)) < 0.75 else view
+
+
+def _parts(scene: Scene, view: View, rows: Array) -> List[Array]:
+    """Points in the picture about all of the robot at configurations."""
+    robot = scene.robot
+    parts: List[Array] = [view.project(trace.points(rows))[:, :2] for trace in scene.traces]
+    for q in rows if robot is not None and not robot.is_point else ():
+        placed: Any = robot.placed(q)  # type: ignore[union-attr]
+        if scene.dimension == 2:
+            for shape in placed:
+                parts += [shape.points - shape.radius, shape.points + shape.radius]
+        else:
+            parts.append(view.project(placed.surfaces.vertices)[:, :2])
+    return parts
+
+
 def moments_of(scene: Scene, run: Run, path: Array) -> Array:
     """When a path reaches each of its rows: times of a team, s; else how far along the path it is, m."""
     times = run.get("times")
@@ -265,7 +294,7 @@ def world(document: Document, *, problem: Optional[str] = None, strategies: Opti
     if not names:
         raise Error(f"{results.file}: name at least one strategy")
     runs = [chosen_run(results, scene.name, name, seed) for name in names]
-    view = view_of(scene)
+    view = whole_view(scene, [path for path in map(path_of, runs) if path is not None])
     with _style.styled():
         axes = _panels("world", ax, len(names), view.aspect, False)
         for one, name, run in zip(axes, names, runs):
@@ -322,7 +351,8 @@ def levels_of_world(document: Document, *, problem: Optional[str] = None, strate
     levels = levels_of(results, run, scene) or []
     shown = list(reversed(range(min(len(levels), _LEVELS))))
     guided = {level.parent for level in levels}
-    view = view_of(scene)
+    path = path_of(run)
+    view = whole_view(scene, [] if path is None else [path])
     with _style.styled():
         axes = _panels("levels_of_world", ax, len(shown), view.aspect, True, gap=6.0)
         for one, number in zip(axes, shown):
@@ -348,17 +378,7 @@ def levels_of_world(document: Document, *, problem: Optional[str] = None, strate
 
 def _swept(scene: Scene, view: View, rows: Array) -> Tuple[Array, Array]:
     """The ends, in the picture, of all that the robot sweeps at configurations, with a margin."""
-    robot = scene.robot
-    parts: List[Array] = [view.project(trace.points(rows)) for trace in scene.traces]
-    if robot is not None and not robot.is_point:
-        for q in rows:
-            placed: Any = robot.placed(q)
-            if scene.dimension == 2:
-                for shape in placed:
-                    parts += [shape.points - shape.radius, shape.points + shape.radius]
-            else:
-                parts.append(view.project(placed.surfaces.vertices))
-    points = np.concatenate([part[:, :2] for part in parts])
+    points = np.concatenate(_parts(scene, view, rows))
     lo, hi = points.min(0), points.max(0)
     margin = 0.06 * max(hi - lo)
     lo, hi = np.maximum(lo - margin, view.lo), np.minimum(hi + margin, view.hi)
