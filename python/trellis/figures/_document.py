@@ -82,6 +82,7 @@ class Results:
         self.file = file
         self.samples = samples
         self.index: Any = None  # of the samples, once a figure reads them
+        self.scenes: Dict[str, Any] = {}  # of problems, likewise
         experiment = document["experiment"]
         self.problems = [problem["name"] for problem in experiment["problems"]]
         self._specs = {strategy["name"]: strategy for strategy in experiment["strategies"]}

@@ -56,7 +56,7 @@ def _pairs(lo: Array, hi: Array, other_lo: Array, other_hi: Array, size: float) 
     theirs, their_cell = spread(other_lo, other_hi)
     order = np.argsort(their_cell, kind="stable")
     theirs, their_cell = theirs[order], their_cell[order]
-    begin, end = (np.searchsorted(their_cell, my_cell, side) for side in ("left", "right"))
+    begin, end = np.searchsorted(their_cell, my_cell, "left"), np.searchsorted(their_cell, my_cell, "right")
     count = end - begin
     first = np.repeat(mine, count)
     second = theirs[np.arange(len(first)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(begin, count)]
@@ -128,8 +128,8 @@ def outline(rings: Sequence[Array], size: float) -> Array:
     hidden = np.zeros(len(edge), bool)
     order = np.argsort(ring_of, kind="stable")
     who, ring_of = who[order], ring_of[order]
-    starts = np.flatnonzero(np.concatenate([[True], ring_of[1:] != ring_of[:-1]])) if len(ring_of) else []
-    for start, stop in zip(starts, [*starts[1:], len(ring_of)]):
+    starts = [0, *(np.flatnonzero(ring_of[1:] != ring_of[:-1]) + 1), len(ring_of)] if len(ring_of) else []
+    for start, stop in zip(starts[:-1], starts[1:]):
         some = who[start:stop]
         hidden[some[_inside(probe[some], rings[ring_of[start]])]] = True
     # Pieces that follow each other become one line again.

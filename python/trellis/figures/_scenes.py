@@ -54,27 +54,13 @@ class Surfaces(NamedTuple):
         first = np.cumsum(parts[:, 0]) - parts[:, 0]
         number = np.arange(len(parts))
         of = [np.repeat(number, parts[:, k]) for k in range(3)]
-        return cls(vertices, triangles + first[of[1]][:, None], edges + first[of[2]][:, None], of[0], of[1], of[2],
-                   parts[:, 3] > 0)
+        triangles, edges = triangles + first[of[1]][:, None], edges + first[of[2]][:, None]
+        return cls(vertices, triangles, edges, of[0], of[1], of[2], parts[:, 3] > 0)
 
     def without(self, triangles: Array, edges: Array) -> "Surfaces":
         """The same without the marked triangles and edges."""
         return self._replace(triangles=self.triangles[~triangles], of_triangle=self.of_triangle[~triangles],
                              edges=self.edges[~edges], of_edge=self.of_edge[~edges])
-
-
-def joined(many: Sequence[Surfaces]) -> Surfaces:
-    """Several sets of surfaces as one."""
-    vertices = np.cumsum([0] + [len(one.vertices) for one in many])
-    parts = np.cumsum([0] + [len(one.closed) for one in many])
-    return Surfaces(
-        np.concatenate([one.vertices for one in many] or [np.zeros((0, 3))]),
-        np.concatenate([one.triangles + at for one, at in zip(many, vertices)] or [np.zeros((0, 3), int)]),
-        np.concatenate([one.edges + at for one, at in zip(many, vertices)] or [np.zeros((0, 2), int)]),
-        *(np.concatenate([getattr(one, name) + at for one, at in zip(many, parts)] or [np.zeros(0, int)])
-          for name in ("of_vertex", "of_triangle", "of_edge")),
-        np.concatenate([one.closed for one in many] or [np.zeros(0, bool)]),
-    )
 
 
 # Turns ---------------------------------------------------------------------------------------------------------------
@@ -578,13 +564,17 @@ def traced(space: Space, trace: Trace, path: Array, step: int = 8) -> Array:
 
 def scene_of(results: Results, problem: str) -> Optional[Scene]:
     """The scene of a problem; None where the document has no world for it."""
-    document = results.document
-    entry = next((one for one in document.get("scenes") or [] if one["problem"] == problem), None)
-    if entry is None or entry.get("world") is None:
-        return None
-    known = next(one for one in document["experiment"]["problems"] if one["name"] == problem)
-    robot = None if entry.get("robot") is None else robot_of(document["robots"][entry["robot"]])
-    return Scene(entry, document["worlds"][entry["world"]], robot, known)
+    if problem not in results.scenes:
+        document = results.document
+        entry = next((one for one in document.get("scenes") or [] if one["problem"] == problem), None)
+        if entry is None or entry.get("world") is None:
+            results.scenes[problem] = None
+        else:
+            known = next(one for one in document["experiment"]["problems"] if one["name"] == problem)
+            robot = None if entry.get("robot") is None else robot_of(document["robots"][entry["robot"]])
+            results.scenes[problem] = Scene(entry, document["worlds"][entry["world"]], robot, known)
+    found: Optional[Scene] = results.scenes[problem]
+    return found
 
 
 class Index:
@@ -605,7 +595,7 @@ class Index:
             raise Error(f"{index}: this is no index of samples ({fault})") from fault
 
 
-def _index(results: Results) -> Optional[Index]:
+def index_of(results: Results) -> Optional[Index]:
     """The samples beside a document; None of one that has none."""
     if results.samples is None:
         return None
@@ -619,7 +609,7 @@ def has_samples(results: Results, run: Mapping[str, Any]) -> bool:
     """Whether there are samples of a run, in a folder that is there."""
     if results.samples is None or not pathlib.Path(results.samples, "index.json").is_file():
         return False
-    index = _index(results)
+    index = index_of(results)
     return index is not None and _key(run) in index.runs
 
 
@@ -629,7 +619,7 @@ def _key(run: Mapping[str, Any]) -> Tuple[str, str, str]:
 
 def levels_of(results: Results, run: Mapping[str, Any], scene: Scene) -> Optional[List[Level]]:
     """The levels of a run, the robot's own first; None where the document has no samples."""
-    index = _index(results)
+    index = index_of(results)
     entry = None if index is None else index.runs.get(_key(run))
     if index is None or entry is None:
         return None

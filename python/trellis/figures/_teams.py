@@ -35,7 +35,7 @@ def _nearest(simplex: Array, used: Array) -> Tuple[Array, Array]:
             better = inside & (length < best[rows] * (1 - 1e-12))
             rows, at = rows[better], at[better]
             best[rows], point[rows], kept[rows] = length[better], at, False
-            kept[np.ix_(rows, corners)] = True
+            kept[rows[:, None], np.array(corners)] = True
     return point, kept
 
 
@@ -171,8 +171,8 @@ def _padded(points: Array, count: int) -> Array:
 
 def _timed(run: Mapping[str, Any]) -> bool:
     path = path_of(run)
-    times = run.get("times")
-    return path is not None and bool(times) and len(times["at"]) == len(path) and times["at"][-1] > 0
+    at: List[float] = (run.get("times") or {}).get("at") or []
+    return path is not None and len(at) == len(path) and at[-1] > 0
 
 
 def scheduled(results: Results) -> List[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from . import _plane, _style
 from ._document import Document, Error, Results, read
 from ._plane import Body, PlaneView
-from ._scenes import Array, Level, Scene, has_samples, levels_of, metres, path_of, scene_of, traced
+from ._scenes import Array, Level, Scene, has_samples, index_of, levels_of, metres, path_of, scene_of, traced
 from ._space import SpaceView
 from ._style import COLUMN, GREY, INK, PAGE, SMALL, Margins
 
@@ -64,6 +64,7 @@ def chosen_run(results: Results, problem: str, strategy: str, seed: Seed, solved
     if solved and not found:
         raise Error(f"{results.file}: no run {where} has a path")
     if samples:
+        index_of(results)  # says where it is missing
         with_samples = [run for run in found + list(runs) if has_samples(results, run)]
         if not with_samples:
             raise Error(f"{results.file}: there are no samples {where}: run it with --samples DIR or --out DIR, and "
@@ -171,7 +172,8 @@ def _bodies(scene: Scene, path: Optional[Array], colour: str) -> List[Body]:
 
 def _draw_path(ax: Any, view: View, scene: Scene, path: Array, level: Optional[Level] = None) -> None:
     """The path of the robot, or of a level."""
-    colours, of = _colours(scene), scene if level is None else level
+    colours = _colours(scene)
+    of: Union[Scene, Level] = scene if level is None else level
     for trace in of.traces:
         points = traced(of.space, trace, path)
         own = colours[trace.member] if trace.member < len(colours) else INK
