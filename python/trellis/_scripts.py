@@ -2,9 +2,11 @@
 """Scripts, strategies, and the results of runs."""
 from __future__ import annotations
 
+import difflib
 import html
 import json
 import os
+import re
 import warnings
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -81,6 +83,13 @@ def _flat(entry: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:
     return row
 
 
+def _is_usual(name: str) -> bool:
+    """Whether `Result.levels` has a column: what a level is and spends, and its main figures in the root's space."""
+    if name.startswith("measure."):
+        return re.fullmatch(r"measure\.root\.(tree|expansion)\.(self|cross)\.(SE|above_uniform|coverage)", name) is not None
+    return not name.startswith(("metrics.", "resolved_for.", "spent.guided.", "spent.unguided.", "rejections."))
+
+
 def _lifted(level: Mapping[str, Any]) -> Mapping[str, Any]:
     """A level with its measure in the root's space, which the document has of the root as its own."""
     measure = level["measure"]
@@ -139,20 +148,42 @@ class Result:
         """
         return _frame([_flat(run) for run in self.document["runs"]])
 
+    def _level_rows(self) -> List[Dict[str, Any]]:
+        return [
+            {**{key: run[key] for key in ("problem", "strategy", "seed")}, **_flat(_lifted(level))}
+            for run in self.document["runs"]
+            for level in run["levels"]
+        ]
+
     @property
     def levels(self) -> "pandas.DataFrame":
         """A row of each level of each run: `problem`, `strategy`, `seed`, then the fields of the level: `level` (0 is
-        the root), `name`, `validity_checks`, `measure.root.tree.self.SE` in nats (lower is better), ...
+        the root), `name`, `validity_checks`, `measure.root.tree.self.SE` in nats (lower is better), ... These are at
+        most 40 columns; `levels_by` has those that are named.
 
         Raises ImportError without pandas.
         """
-        return _frame(
-            [
-                {**{key: run[key] for key in ("problem", "strategy", "seed")}, **_flat(_lifted(level))}
-                for run in self.document["runs"]
-                for level in run["levels"]
-            ]
-        )
+        rows = self._level_rows()
+        names: Dict[str, None] = {name: None for row in rows for name in row if _is_usual(name)}
+        return _frame([{name: row.get(name) for name in names} for row in rows])
+
+    def levels_by(self, *columns: str) -> "pandas.DataFrame":
+        """A row of each level of each run, with `problem`, `strategy`, `seed`, `level` and the named columns. Names are
+        those of fields of `document["runs"][i]["levels"][j]`, joined by dots: `measure.tree.cross.coverage`,
+        `resolved_for.rejections`. A name ends in `*` for all that begin so.
+
+        Raises trellis.Error for a name that no level has, and ImportError without pandas.
+        """
+        rows = self._level_rows()
+        known: Dict[str, None] = {name: None for row in rows for name in row}
+        chosen: Dict[str, None] = dict.fromkeys(("problem", "strategy", "seed", "level"))
+        for column in columns:
+            found = [name for name in known if name == column or column[-1:] == "*" and name.startswith(column[:-1])]
+            if not found:
+                near = difflib.get_close_matches(column, known, 1)
+                raise Error(f"levels_by: no level has '{column}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+            chosen.update(dict.fromkeys(found))
+        return _frame([{name: row.get(name) for name in chosen} for row in rows])
 
     @property
     def summary(self) -> "pandas.DataFrame":

@@ -138,7 +138,16 @@ class Scripts(Folder):
         self.assertEqual(runs["validity_checks"].tolist(), [r["validity_checks"] for r in result.document["runs"]])
         self.assertEqual(sorted(levels[levels.strategy == "guided"].level.unique()), [0, 1])
         self.assertIn("measure.root.tree.self.SE", levels.columns)
+        self.assertLessEqual(len(levels.columns), 40)
         self.assertEqual(len(result.summary), 2)
+        named = result.levels_by("measure.tree.self.D", "resolved_for.*")
+        self.assertEqual(len(named), len(levels))
+        root = result.document["runs"][0]["levels"][0]
+        self.assertEqual(named["measure.tree.self.D"][0], root["measure"]["tree"]["self"]["D"])
+        self.assertEqual({name for name in named if name.startswith("resolved_for.")},
+                         {f"resolved_for.{name}" for name in root["resolved_for"]})
+        with self.assertRaisesRegex(trellis.Error, "no level has 'measure.tree.self.Dd'; did you mean"):
+            result.levels_by("measure.tree.self.Dd")
 
     @unittest.skipUnless(HAS_MATPLOTLIB and HAS_PANDAS, "matplotlib or pandas is not installed")
     def test_figures(self):
