@@ -196,7 +196,7 @@ TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][
   resolves.exhausted = true;
   result.runs[16].run.improvements = {{120, 0.5, 14.0}, {300, 0.75, 12.5}};
   const json document = json::parse(fixture::report_json(experiment, result, ""));
-  const std::string printed = report_text(summarise(facts_of(experiment, result)), 100, ReportKind::overview);
+  const std::string printed = report_text(summarise(facts_of(experiment, result)), 160, ReportKind::levels);
   const auto one_line = [](std::string text) {
     std::string out;
     for (const char c : text) {

@@ -147,6 +147,7 @@ TEST_CASE("text wraps at spaces", "[report]") {
   CHECK(wrap("a-very-long-word short", 6, "> ", "  ") == "> a-very-long-word\n  short\n");
   CHECK(wrap(std::string("a") + no_break + "b c", 3) == "a b\nc\n");
   CHECK(display_width("±0.1 └ é") == 8);
+  CHECK(shortened("道を探す", 5) == "道を…");
 }
 
 TEST_CASE("the report warns of a guide that does worse than none, and of no other", "[report]") {
@@ -196,7 +197,7 @@ TEST_CASE("samples of all seeds together come first, and single runs that differ
   // Levels without such samples are averaged over the runs.
   CHECK(headline(summary.levels[1], SampleRole::tree).seeds == 0);
   CHECK(summary.tree_waterfall.steps.back().after.value == Approx(2.41 - 2.8));
-  const std::string text = report_text(summarise(facts_of(experiment, result)), 100, ReportKind::overview);
+  const std::string text = report_text(summarise(facts_of(experiment, result)), 100, ReportKind::levels);
   for (const char* words :
        {"-0.59…-0.19", "the samples of all 15 seeds together", "single runs differ: root nodes +"}) {
     CAPTURE(words);

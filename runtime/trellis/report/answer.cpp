@@ -22,10 +22,10 @@ using Kind = AnswerVerdict::Kind;
 constexpr std::size_t longest_guide = 24;
 
 /// "0.11", "≥4.0", "≤0.25", "0.3–0.5"; "–" where nothing is known.
-std::string bracket_text(const RatioBracket& ratio, std::string (*number)(double) = two_figures) {
+std::string bracket_text(const RatioBracket& ratio) {
   if (std::isnan(ratio.lo) || (ratio.lo == 0.0 && std::isinf(ratio.hi))) return "–";
-  const std::string lo = number(ratio.lo);
-  const std::string hi = number(ratio.hi);
+  const std::string lo = two_figures(ratio.lo);
+  const std::string hi = two_figures(ratio.hi);
   if (lo == hi) return lo;
   if (std::isinf(ratio.hi)) return "≥" + lo;
   return ratio.lo == 0.0 ? "≤" + hi : lo + "–" + hi;
@@ -318,15 +318,18 @@ AnswerMatrix matrix_of(const Source& source, const std::vector<AnswerTable>& tab
   return matrix;
 }
 
+/// The group of a problem: its own, else its name up to a "/", as "gap/07" has; else "others".
+std::string group_of(const ProblemFacts& problem) {
+  if (!problem.group.empty()) return problem.group;
+  const std::size_t end = problem.name.find('/');
+  return end == std::string::npos || end == 0 ? "others" : problem.name.substr(0, end);
+}
+
 std::optional<AnswerGroups> groups_of(const Source& source, const AnswerTable& table) {
   if (source.baseline().empty()) return std::nullopt;
   AnswerGroups groups;
   const std::vector<ProblemFacts>& problems = source.experiment().problems;
-  const bool grouped =
-      std::any_of(problems.begin(), problems.end(), [](const ProblemFacts& p) { return !p.group.empty(); });
-  const auto group_of = [](const ProblemFacts& p) { return p.group.empty() ? std::string("others") : p.group; };
   for (const ProblemFacts& one : problems) {
-    if (!grouped) break;
     const auto found = std::find_if(groups.groups.begin(), groups.groups.end(),
                                     [&](const auto& group) { return group.first == group_of(one); });
     if (found == groups.groups.end()) {
@@ -335,6 +338,8 @@ std::optional<AnswerGroups> groups_of(const Source& source, const AnswerTable& t
       ++found->second;
     }
   }
+  // Of one group, and of problems that have none, the table above says it.
+  if (groups.groups.size() == 1 || groups.groups.size() == problems.size()) groups.groups.clear();
   for (const AnswerRow& row : table.rows) {
     if (row.indent > 0 || row.strategy == source.baseline()) continue;
     AnswerGroups::Line line{row.strategy, {}, 0, 0, AnswerRow::none, AnswerRow::none};
@@ -610,8 +615,9 @@ std::vector<AnswerNote> legend_notes(const Answer& answer) {
   if (guides) text += fmt::format("{}below a strategy ÷ the strategy's", strategies ? "; " : "checks ");
   text += "; same seeds";
   if (intervals) text += fmt::format(", [{:g} % interval]", 100.0 * (1.0 - sequential_error));
-  if (cut_off) text += "; ≥: runs were cut off";
-  return {{"legend", std::move(text)}};
+  std::vector<AnswerNote> notes = {{"legend", std::move(text)}};
+  if (cut_off) notes.push_back({"legend", "≥: runs without the guide were cut off at so many checks"});
+  return notes;
 }
 
 /// Suggests the next step.
@@ -796,7 +802,8 @@ std::string AnswerRow::solved_text() const {
 
 std::string AnswerRow::checks_text() const {
   if (std::isnan(checks.lo)) return "";
-  return std::isinf(checks.lo) ? "none" : bracket_text(checks, thousands);
+  if (std::isinf(checks.lo)) return "none";
+  return (checks.lo < checks.hi ? "≥" : "") + thousands(checks.lo);
 }
 
 std::string AnswerRow::ratio_text() const { return ratio ? bracket_text(ratio->median) : ""; }

@@ -229,7 +229,7 @@ std::string verdict_text_without(const Verdict& verdict) {
   if (verdict.kind != Verdict::Kind::pays && verdict.kind != Verdict::Kind::costs) return verdict_text(verdict);
   const RatioBracket median = inverse(verdict.ratio.median);
   return median_word(median) + interval_words(inverse(verdict.ratio.interval)) +
-         (verdict.kind == Verdict::Kind::pays ? " keep it" : " leave it out");
+         (verdict.kind == Verdict::Kind::pays ? " keep it" : " drop it");
 }
 
 std::string verdicts_note() {

@@ -10,10 +10,17 @@ const std::vector<ReportTerm>& report_terms() {
       {"baseline",
        "the strategy that the others are compared with: the experiment's `baseline`, else the first strategy without a "
        "guide, else the first"},
-      {"solved", "runs that found a path, of all runs"},
+      {"solved", "runs that found a path, of all runs; at least so many (≥) where runs without a guide were cut off"},
       {"validity checks",
        "collision checks of single configurations, summed over all levels; the median over the runs, an unsolved run "
        "infinite"},
+      {"checks",
+       "validity checks until the first path, the median, with a bar; none: most runs found no path. The baseline "
+       "comes "
+       "first, then the strategies by their ratio, in several problems by its geometric mean"},
+      {"ratio",
+       "of the checks, the median over the seeds with its 95 % interval: of a strategy to the baseline; of a row "
+       "`without` a guide to the whole strategy, so that the guide pays above 1"},
       {"motion checks", "checked motions between two configurations; each takes several validity checks"},
       {"ms", "milliseconds: set-up and planning of all levels, without scoring; the median over the runs"},
       {"path", "length of the path in the metric of C, metres; the mean over the solved runs"},
@@ -67,22 +74,32 @@ const std::vector<ReportTerm>& report_terms() {
        "80 %, if there are at most 200"},
       {"not tested", "verdict: the strategy was not run without the level, or cannot be set up without it"},
       {"never set up", "verdict: the planner solved the problem in all runs before the guides were set up"},
-      {"keep it, leave it out",
-       "verdict of a row that is the strategy without a level: the inverse ratio, so that the level pays above 1"},
+      {"keep it, drop it",
+       "verdict of a row that is the strategy without a guide: it costs more without it, or less. `keep 2, drop 1 of "
+       "6` "
+       "counts problems"},
+      {"hardly matters", "verdict: the difference is shown, and below 10 %"},
+      {"~", "no difference is shown"},
+      {"cheaper, 10 … 90 %",
+       "of many problems: runs with fewer checks than the baseline's, and the range of the ratios without their lowest "
+       "and highest tenth"},
+      {"why",
+       "how many times as many of a strategy's nodes lie in the target as of uniform samples, on the paths of other "
+       "seeds, where the runs show it"},
       {"(mass), (spread)",
        "beside a verdict: the part of SE that the level's samples reduce most (where it pays) or increase "
        "(where it costs). It explains the verdict and does not decide it"},
-      {"first path", "checks until the first path, which the comparisons use"},
-      {"improvement", "checks that an anytime planner, such as rrt_star, spends on shorter paths after its first"},
+      {"after the first path", "checks that an anytime planner, such as rrt_star, spends on shorter paths"},
       {"set-up",
-       "work to set up the guides for one run alone, as the medial axis of the world, in units of 0.07 us: the median "
-       "over the "
-       "runs. The column is there where it is more than a tenth of a run's work. The runs of a process share what "
+       "time and work to set up the guides for one run alone, as the medial axis of the world; work in units of 0.07 "
+       "us, "
+       "the median over the "
+       "runs. It is listed where it is more than a tenth of a run's work. The runs of a process share what "
        "depends on the world alone: the first one spends its time, and the median of the times does not show it. Work "
        "counts one part in `queries` of it: so many runs share it, by assumption. `trellis run --once` shares nothing"},
-      {"Lua %",
+      {"Lua %, functions in Lua",
        "the part of the CPU time that functions in Lua take, with what they call and loading their script, in per "
-       "cent. The column is there where a guide has such functions"},
+       "cent. It is listed where a guide has such functions"},
       {"oracle", "samples drawn from the target itself, perfect guidance: what the estimator makes of them"},
       {"tree", "nodes of the search; of a roadmap, those that were checked"},
       {"expansion", "what was proposed, before extension: samples of h"},

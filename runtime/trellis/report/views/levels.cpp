@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The report that a run prints: solved runs, costs relative to the baseline, the verdict on each level, and the next
-// step.
+// The report of levels: the search of each level, the verdict on it, and who needs coordination.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,8 +22,6 @@ namespace trellis {
 
 namespace {
 
-/// More tables of levels than these would not fit a screen: --report levels prints them.
-constexpr std::size_t most_level_tables = 4;
 /// Longest name of a level, in columns, so that a row fits a line; the heading shows the full names.
 constexpr std::size_t longest_label = 24;
 
@@ -35,6 +32,11 @@ Table::Column text_column(std::string heading, std::string group = "") {
   return {{std::move(heading)}, std::move(group), true};
 }
 
+/// "nested = skeleton() >> rrt {}"
+std::string equation(const StrategyFacts& strategy) {
+  return strategy.name == strategy.text ? strategy.text : strategy.name + " = " + strategy.text;
+}
+
 /// One strategy of the script, which is no ablation.
 struct Row {
   const ExperimentSummary::Strategy* strategy;
@@ -42,26 +44,17 @@ struct Row {
 
   [[nodiscard]] const std::string& name() const { return strategy->name; }
   [[nodiscard]] const RunsSummary& runs() const { return of->runs; }
-  /// "nested = skeleton() >> rrt {}"
-  [[nodiscard]] std::string equation() const {
-    return strategy->name == strategy->text ? strategy->text : strategy->name + " = " + strategy->text;
-  }
+  [[nodiscard]] std::string equation() const { return trellis::equation(*strategy); }
 };
 
 /// One problem, or all of them together, with the strategies of the script.
 struct Section {
   const ProblemSummary* problem;
+  const AnswerTable* table;
   std::string heading;
   std::string baseline;
   std::vector<Row> rows;
 };
-
-const Comparison* comparison_of(const Section& section, const std::string& strategy) {
-  const std::vector<Comparison>& comparisons = section.problem->comparisons;
-  const auto it =
-      std::find_if(comparisons.begin(), comparisons.end(), [&](const Comparison& c) { return c.strategy == strategy; });
-  return it != comparisons.end() ? &*it : nullptr;
-}
 
 std::vector<Section> sections_of(const ExperimentSummary& experiment) {
   std::vector<Section> sections;
@@ -71,7 +64,11 @@ std::vector<Section> sections_of(const ExperimentSummary& experiment) {
       heading = fmt::format("{} problems together ({} … {})", experiment.problems.size(),
                             experiment.problems.front().problem, experiment.problems.back().problem);
     }
-    Section section{problem, std::move(heading), experiment.baseline, {}};
+    const Answer& answer = experiment.answer;
+    const auto named = std::find_if(answer.tables.begin(), answer.tables.end(),
+                                    [&](const AnswerTable& one) { return one.problem == problem->problem; });
+    const AnswerTable* table = named != answer.tables.end() ? &*named : &*answer.together;
+    Section section{problem, table, std::move(heading), experiment.baseline, {}};
     for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
       if (!experiment.strategies[s].ablation.empty()) continue;
       section.rows.push_back({&experiment.strategies[s], &problem->strategies[s]});
@@ -79,74 +76,6 @@ std::vector<Section> sections_of(const ExperimentSummary& experiment) {
     sections.push_back(std::move(section));
   }
   return sections;
-}
-
-/// Returns a bar of eighths of a column, `share` of `width` columns long; never empty for a positive share.
-std::string bar(double share, std::size_t width) {
-  static constexpr std::array<const char*, 8> eighths = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
-  if (!(share > 0.0)) return "";
-  const auto parts = std::max<std::size_t>(
-      1, static_cast<std::size_t>(std::lround(8.0 * std::min(share, 1.0) * static_cast<double>(width))));
-  std::string text;
-  for (std::size_t i = 0; i < parts / 8; ++i) text += "█";
-  return text + eighths[parts % 8];
-}
-
-std::string strategies_table(const Section& section, std::size_t width) {
-  constexpr std::size_t bar_width = 16;
-  const bool compared = section.rows.size() > 1 && !section.baseline.empty();
-  double most = 0.0;
-  double slowest = 0.0;
-  bool anytime = false;
-  bool set_up = false;
-  bool lua = false;
-  for (const Row& row : section.rows) {
-    anytime = anytime || !std::isnan(row.runs().improvement_checks);
-    lua = lua || row.runs().lua_share > 0.0;
-    set_up = set_up || row.runs().set_up_share > least_set_up_share;
-    if (std::isfinite(row.runs().validity_checks.value)) most = std::max(most, row.runs().validity_checks.value);
-    if (std::isfinite(row.runs().seconds.value)) slowest = std::max(slowest, 1000.0 * row.runs().seconds.value);
-  }
-  const std::string checks = "validity checks, median";
-  std::vector<Table::Column> columns = {text_column("strategy"), number_column({"solved"}),
-                                        number_column({anytime ? "first path" : ""}, checks), text_column("", checks)};
-  if (anytime) columns.push_back(number_column({"improvement"}, checks));
-  if (set_up) columns.push_back(number_column({"set-up,", "units"}));
-  const std::string beside = "× " + section.baseline;
-  if (compared) {
-    columns.push_back(number_column({"checks [95 %]"}, beside));
-    columns.push_back(number_column({"p"}, beside));
-  }
-  columns.push_back(number_column({"ms"}, "median"));
-  if (lua) columns.push_back(number_column({"Lua %"}));
-  const bool team = std::any_of(section.rows.begin(), section.rows.end(),
-                                [](const Row& row) { return !std::isnan(row.runs().makespan.value); });
-  columns.push_back(number_column({"path m"}, "mean"));
-  if (team) columns.push_back(number_column({"makespan s"}, "mean"));
-  if (team) columns.push_back(number_column({"sum of costs"}, "mean"));
-  Table table(columns);
-  for (const Row& row : section.rows) {
-    const RunsSummary& s = row.runs();
-    std::vector<std::string> cells = {row.name(), fmt::format("{}/{}", s.solved, s.runs),
-                                      count_text(s.validity_checks.value),
-                                      std::isfinite(s.validity_checks.value) && most > 0.0 && section.rows.size() > 1
-                                          ? bar(s.validity_checks.value / most, bar_width)
-                                          : ""};
-    if (anytime) cells.push_back(std::isnan(s.improvement_checks) ? "" : count_text(s.improvement_checks));
-    if (set_up) cells.push_back(s.set_up > 0.0 ? count_text(std::round(s.set_up)) : "");
-    if (compared) {
-      const Comparison* c = comparison_of(section, row.name());
-      cells.push_back(row.name() == section.baseline ? "1" : c != nullptr ? ratio_text(c->validity_checks.ratio) : "-");
-      cells.push_back(row.name() == section.baseline || c == nullptr ? "" : p_text(c->validity_checks.holm_p));
-    }
-    cells.push_back(milliseconds_text(s.seconds.value, decimals_for(slowest)));
-    if (lua) cells.push_back(lua_share_text(s.lua_share));
-    cells.push_back(std::isnan(s.length.value) ? "-" : fixed(s.length.value, 1));
-    if (team) cells.push_back(std::isnan(s.makespan.value) ? "-" : fixed(s.makespan.value, 1));
-    if (team) cells.push_back(std::isnan(s.sum_of_costs.value) ? "-" : fixed(s.sum_of_costs.value, 1));
-    table.add(std::move(cells));
-  }
-  return table.text(width);
 }
 
 /// The nats of a level above uniform sampling.
@@ -208,18 +137,6 @@ std::string nats_notes(const std::vector<LevelSummary>& levels, std::size_t widt
     add("the target covers nearly the whole space: perfect guidance and none are the same");
   }
   return notes;
-}
-
-/// Shortens a text to a number of columns; an ellipsis replaces the rest.
-std::string shortened(const std::string& text, std::size_t columns) {
-  if (display_width(text) <= columns) return text;
-  std::string cut = text;
-  // Removes whole code points: a continuation byte never ends a text.
-  while (display_width(cut) >= columns) {
-    while ((static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
-    cut.pop_back();
-  }
-  return cut + "…";
 }
 
 /// Whether a strategy has a table of its levels: it has several, or a guide without a space.
@@ -323,11 +240,12 @@ std::string needed_text(const CouplingSummary& coupling) {
   return fmt::format("{}/{} [{:.2f}, {:.2f}]", seeds, coupling.needed.n, coupling.needed.lo, coupling.needed.hi);
 }
 
-/// Returns the table of who needs coordination.
-/// \param most  rows; of the robots, and of the pairs, those that seeds need most remain
-std::string couplings_table(const Row& row, std::size_t width, std::size_t most) {
+}  // namespace
+
+std::string couplings_table(const StrategyFacts& strategy, const StrategySummary& of, std::size_t width,
+                            std::size_t most) {
   std::vector<const CouplingSummary*> rows;
-  for (const CouplingSummary& one : row.of->couplings) rows.push_back(&one);
+  for (const CouplingSummary& one : of.couplings) rows.push_back(&one);
   if (rows.empty()) return "";
   std::stable_sort(rows.begin(), rows.end(), [](const CouplingSummary* a, const CouplingSummary* b) {
     if (a->robots.size() != b->robots.size()) return a->robots.size() < b->robots.size();
@@ -348,7 +266,7 @@ std::string couplings_table(const Row& row, std::size_t width, std::size_t most)
                tested ? fmt::format("{}/{}", one.solved_without, one.pairs) : "-", tested ? needed_text(one) : "-",
                tested ? median_word(one.check_ratio.median) : "-", coupling_text(one), resolved_text(one)});
   }
-  std::string out = wrap("Who needs coordination? " + row.equation(), width, "", "  ") + table.text(width);
+  std::string out = wrap("Who needs coordination? " + equation(strategy), width, "", "  ") + table.text(width);
   std::map<std::string, std::size_t> counts;
   for (std::size_t i = shown; i < rows.size(); ++i) {
     const std::string text = coupling_text(*rows[i]);
@@ -363,6 +281,8 @@ std::string couplings_table(const Row& row, std::size_t width, std::size_t most)
   return out;
 }
 
+namespace {
+
 /// Lists runs without a path, with the reasons, and strategies whose guides perform worse than no guide.
 std::string warnings(const Section& section, std::size_t width) {
   std::string out;
@@ -371,70 +291,6 @@ std::string warnings(const Section& section, std::size_t width) {
   }
   for (const std::string& sentence : section.problem->warnings) out += wrap("warning: " + sentence, width, "", "  ");
   return out;
-}
-
-/// Suggests the next step, in one line.
-std::string next_step(const ExperimentSummary& experiment, const std::vector<Section>& sections) {
-  for (const Section& section : sections) {
-    for (const Row& row : section.rows) {
-      const RunsSummary& runs = row.runs();
-      if (!mostly_unsolved(runs)) continue;
-      if (!section.problem->obstruction.empty()) return section.problem->obstruction;
-      return fmt::format(
-          "{} solves {} of {}: give its planner more `proposals`, or see --report levels for where it "
-          "stopped",
-          row.name(), runs.solved, runs.runs == 1 ? "1 run" : fmt::format("{} runs", runs.runs));
-    }
-  }
-  bool guided = false;
-  bool tested = true;
-  double more_ablation = 0.0;
-  const GuideVerdict* costly = nullptr;
-  const GuideVerdict* open = nullptr;
-  std::vector<GuideVerdict> all;
-  for (const Section& section : sections) {
-    for (const Row& row : section.rows) {
-      guided = guided || row.strategy->guided;
-      for (std::size_t i = 0; i < row.of->verdicts.size(); ++i) {
-        all.push_back({section.problem->problem, row.name(), "", row.runs().levels[i].name, row.of->verdicts[i]});
-      }
-      all.insert(all.end(), row.of->parts.begin(), row.of->parts.end());
-    }
-  }
-  for (const GuideVerdict& one : all) {
-    const Verdict& verdict = one.verdict;
-    if (verdict.kind == Verdict::Kind::not_tested) tested = false;
-    more_ablation = std::max(more_ablation, verdict.more_ablation);
-    if (verdict.kind == Verdict::Kind::costs && costly == nullptr) costly = &one;
-    if (verdict.pairs_needed > 0 && (open == nullptr || verdict.pairs_needed < open->verdict.pairs_needed)) open = &one;
-  }
-  if (!guided) {
-    if (experiment.strategies.size() > 1) return "--report full prints every figure";
-    return fmt::format("put a guide before the planner, for instance {} >> {}",
-                       experiment.spatial ? "workspace()" : "skeleton()", experiment.strategies.front().text);
-  }
-  if (costly != nullptr) {
-    const double without = 1.0 / costly->verdict.ratio.median.hi;
-    return fmt::format("leave out {} of {}: without it the strategy takes {} the validity checks", costly->guide,
-                       costly->strategy, without > 0.0 ? ratio_word(without) + " times" : "a fraction of");
-  }
-  if (!tested && experiment.ablation == 0.0) {
-    return "trellis run --ablation 2, or trellis sweep --ablate, tests which levels pay";
-  }
-  if (more_ablation > 0.0) {
-    return fmt::format("--ablation {:g} allows more work for the test of which levels pay", more_ablation);
-  }
-  if (open != nullptr) {
-    // A test of n seeds takes 2 n pairs.
-    const std::size_t seeds = (open->verdict.pairs_needed + 1) / 2;
-    if (seeds <= 4 * experiment.seeds.size()) {
-      return fmt::format("--seeds {} would probably show whether {} of {} pays", seeds, open->guide, open->strategy);
-    }
-  }
-  if (sections.front().rows.size() == 1) {
-    return "add a strategy without a guide to the experiment, to see what the guides save";
-  }
-  return "--report full prints every figure; --html FILE shows the runs";
 }
 
 std::string heading_of(const ExperimentSummary& experiment, const Section& section, std::size_t width) {
@@ -470,42 +326,6 @@ std::string rejections_text(const Row& row, std::size_t width) {
   return out;
 }
 
-/// Says for each strategy in how many runs its guides drew nothing, because the problem was solved first.
-std::string undrawn_text(const Section& section, std::size_t width) {
-  std::string out;
-  for (const Row& row : section.rows) {
-    const BesideSummary& beside = row.runs().beside;
-    if (beside.not_set_up + beside.no_guided == 0) continue;
-    out += wrap(row.name() + ": " + beside_text(row.runs()), width, "", "  ");
-  }
-  return out;
-}
-
-/// Says what the set-up of guides costs, where that has a column, and which runs share it.
-std::string set_ups_text(const Section& section, std::size_t width) {
-  std::vector<const RunsSummary*> runs;
-  for (const Row& row : section.rows) runs.push_back(&row.runs());
-  const std::string text = set_up_text(runs);
-  return text.empty() ? "" : wrap(text, width, "", "  ");
-}
-
-/// Says that the paths are certified, and which one comes closest to contact.
-std::string certificates_text(const Section& section, std::size_t width) {
-  const Row* closest = nullptr;
-  std::size_t paths = 0;
-  for (const Row& row : section.rows) {
-    const CertifiedSummary& certified = row.runs().certified;
-    paths += certified.paths;
-    if (certified.paths == 0) continue;
-    if (closest == nullptr || certified.clearance < closest->runs().certified.clearance) closest = &row;
-  }
-  if (closest == nullptr || !std::isfinite(closest->runs().certified.clearance)) return "";
-  return wrap(fmt::format("{} path{} certified free of contact; smallest clearance {:.2g} m ({}, seed {})", paths,
-                          paths == 1 ? "" : "s", closest->runs().certified.clearance, closest->name(),
-                          closest->runs().certified.seed),
-              width, "", "  ");
-}
-
 /// Returns the note on the confidence in all verdicts; "" where there is none.
 std::string note_of(const std::vector<Section>& sections, std::size_t width) {
   const bool any = std::any_of(sections.begin(), sections.end(), [](const Section& section) {
@@ -520,52 +340,20 @@ std::string levels_report_text(const ExperimentSummary& experiment, std::size_t 
   const std::vector<Section> sections = sections_of(experiment);
   std::string out;
   for (const Section& section : sections) {
-    out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width);
+    out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + answer_table(*section.table, width);
     for (const Row& row : section.rows) {
       const RunsSummary& runs = row.runs();
       const std::string verdict = levels_table(experiment.measured, row, width);
       out += '\n' + (verdict.empty() ? wrap(row.equation(), width, "", "  ") : verdict);
       out += wrap(fmt::format("solved {}/{} runs · {}", runs.solved, runs.runs, row.strategy->shares), width, "", "  ");
       out += search_table(runs, width) + resolves_lines(row, width) + rejections_text(row, width);
-      const std::string couplings = couplings_table(row, width, std::numeric_limits<std::size_t>::max());
+      const std::string couplings =
+          couplings_table(*row.strategy, *row.of, width, std::numeric_limits<std::size_t>::max());
       if (!couplings.empty()) out += '\n' + couplings;
     }
     out += warnings(section, width);
   }
   return out + note_of(sections, width);
-}
-
-std::string overview_text(const ExperimentSummary& experiment, std::size_t width) {
-  const std::vector<Section> sections = sections_of(experiment);
-  std::size_t tables = 0;
-  for (const Section& section : sections) {
-    for (const Row& row : section.rows) tables += has_levels_table(row) ? 1 : 0;
-  }
-  std::string out;
-  for (const Section& section : sections) {
-    out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
-    out += certificates_text(section, width) + set_ups_text(section, width) + undrawn_text(section, width);
-    out += warnings(section, width);
-    for (const Row& row : section.rows) {
-      constexpr std::size_t most_couplings = 16;
-      if (const std::string table = couplings_table(row, width, most_couplings); !table.empty()) out += '\n' + table;
-    }
-    if (tables > most_level_tables) continue;
-    for (const Row& row : section.rows) {
-      if (const std::string table = levels_table(experiment.measured, row, width); !table.empty()) {
-        out += '\n' + table;
-      }
-    }
-  }
-  if (tables > most_level_tables) {
-    out += wrap(fmt::format("{} strategies with guides: --report levels says which of their levels pay", tables), width,
-                "\n", "");
-  } else {
-    out += note_of(sections, width);
-  }
-  return out + '\n' + wrap(next_step(experiment, sections), width, "→ ", "  ") +
-         wrap("more: --report levels, efficiency or full; `trellis help report` explains the columns", width, "  ",
-              "  ");
 }
 
 }  // namespace trellis

@@ -8,8 +8,8 @@
 
 namespace trellis {
 
-/// Returns the report that a run prints: solved runs, costs relative to the baseline, the verdict on each level, and
-/// the next step.
+/// Returns the report that a run prints: what each strategy costs relative to the baseline, what each of its guides
+/// saves, and the next step.
 std::string overview_text(const ExperimentSummary& experiment, std::size_t width);
 
 /// Returns the same level by level, for every strategy with its ablations: verdicts, the search of each level, why it

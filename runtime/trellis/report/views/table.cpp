@@ -2,6 +2,8 @@
 #include <trellis/report/views/table.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
@@ -23,6 +25,36 @@ void append_line(std::string& out, std::string line) {
   out += '\n';
 }
 
+struct Range {
+  std::uint32_t first;
+  std::uint32_t last;
+};
+/// Characters of two columns: East Asian wide ones and emoji (Unicode's EastAsianWidth, W and F, in blocks).
+constexpr std::array<Range, 13> wide = {{{0x1100, 0x115F},
+                                         {0x2E80, 0x303E},
+                                         {0x3041, 0x4DBF},
+                                         {0x4E00, 0xA4CF},
+                                         {0xA960, 0xA97C},
+                                         {0xAC00, 0xD7A3},
+                                         {0xF900, 0xFAFF},
+                                         {0xFE30, 0xFE6F},
+                                         {0xFF00, 0xFF60},
+                                         {0xFFE0, 0xFFE6},
+                                         {0x1F300, 0x1F64F},
+                                         {0x1F680, 0x1F9FF},
+                                         {0x20000, 0x3FFFD}}};
+/// Characters of no column: they combine with the one before.
+constexpr std::array<Range, 6> combining = {
+    {{0x0300, 0x036F}, {0x1AB0, 0x1AFF}, {0x200B, 0x200F}, {0x20D0, 0x20FF}, {0xFE00, 0xFE0F}, {0xFE20, 0xFE2F}}};
+
+std::size_t columns_of(std::uint32_t point) {
+  const auto in = [&](const auto& ranges) {
+    return std::any_of(ranges.begin(), ranges.end(),
+                       [&](const Range& r) { return r.first <= point && point <= r.last; });
+  };
+  return in(combining) ? 0 : in(wide) ? 2 : 1;
+}
+
 /// Adjacent columns with a common heading; a column without one is a span of its own.
 struct Span {
   std::size_t first = 0;  ///< positions in the list of chosen columns
@@ -32,8 +64,31 @@ struct Span {
 }  // namespace
 
 std::size_t display_width(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+  std::size_t width = 0;
+  std::uint32_t point = 0;
+  const auto count = [&] { width += point == 0 ? 0 : columns_of(point); };
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xC0U) == 0x80U) {
+      point = (point << 6U) | (byte & 0x3FU);
+      continue;
+    }
+    count();
+    point = byte < 0x80U ? byte : byte < 0xE0U ? byte & 0x1FU : byte < 0xF0U ? byte & 0x0FU : byte & 0x07U;
+  }
+  count();
+  return width;
+}
+
+std::string shortened(const std::string& text, std::size_t columns) {
+  if (display_width(text) <= columns) return text;
+  std::string cut = text;
+  // Removes whole code points: a continuation byte never ends a text.
+  while (display_width(cut) >= columns) {
+    while ((static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
+    cut.pop_back();
+  }
+  return cut + "…";
 }
 
 std::string pad(const std::string& text, std::size_t width, bool left_pad) {

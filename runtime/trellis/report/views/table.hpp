@@ -8,11 +8,15 @@
 
 namespace trellis {
 
-/// Returns the width in terminal columns: code points, which is exact for all characters of reports.
+/// Returns the width in terminal columns: two for wide characters (Chinese, Japanese, Korean, emoji), none for
+/// combining ones.
 std::size_t display_width(std::string_view text);
 
 /// Pads with spaces on the right or, with `left_pad`, on the left.
 std::string pad(const std::string& text, std::size_t width, bool left_pad);
+
+/// Shortens a text to a number of columns; an ellipsis replaces the rest.
+std::string shortened(const std::string& text, std::size_t columns);
 
 /// A space at which wrap() does not break; prints as a normal space.
 inline constexpr char no_break = '\x1f';
