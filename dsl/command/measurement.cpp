@@ -14,6 +14,7 @@
 #include <trellis/report/quantities.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/words.hpp>
 
 namespace trellis::command {
 
@@ -163,6 +164,8 @@ Measurement measure_samples(const Case& c, Configurations samples, const std::ve
     throw Error(fmt::format("{}: {} gives no figure: {}", c.samples, specs.front().name(), reason_of(specs.front())));
   }
   result.headline = shown(std::move(result.headline));
+  const View goal = std::as_const(c.path).back();
+  result.headline.hitting = PathBalls(c.space, c.path, c.position, c.tube.delta).hitting(samples, goal);
   result.log_volume = target.log_volume();
   result.notes = notes_on(c.space, samples);
   for (std::size_t i = 0; c.valid && i < c.path.size(); ++i) {
@@ -237,6 +240,11 @@ std::string measurement_table(const Case& c, const Measurement& m) {
     const bool first = of.name() == "SE" || of.name() == "above_uniform";
     text += row(name, value, (first ? described(of) : of.meaning) + more);
   };
+  add("hitting.nats", figure_text(e.hitting.position.hitting));
+  add("hitting.full", figure_text(e.hitting.full.hitting));
+  if (const std::string place = bottleneck_text(e.hitting.position, e.hitting.length); !place.empty()) {
+    text += row("bottleneck", "", place);
+  }
   if (printed) {
     add("SE", interval_text(e.value_lo, e.value_hi));
     add("above_uniform", interval_text(e.uniform - e.value_hi, e.uniform - e.value_lo));

@@ -303,7 +303,7 @@ class Numbers(unittest.TestCase):
             cells = [cell.strip() for cell in line.strip("|").split("|")]
             self.assertEqual(cells[0], row["nats"])
             for role, cell in zip(("nodes", "proposals"), cells[1:]):
-                printed = f"{row[role]:+.2f}"
+                printed = "-" if math.isnan(row[role]) else f"{row[role]:+.2f}"
                 if not math.isnan(row[f"{role}_lo"]):
                     printed += f" [{row[role + '_lo']:+.2f}, {row[role + '_hi']:+.2f}]"
                 self.assertEqual(printed.replace("-0.00", "+0.00"), cell.replace("-0.00", "+0.00"))

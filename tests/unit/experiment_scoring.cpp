@@ -117,6 +117,9 @@ class Bytes {
         }
       }
     }
+    for (const PooledScores& pooled : result.pooled) {
+      for (const Efficiency* e : {&pooled.scores.tree, &pooled.scores.expansion}) add(*e);
+    }
   }
   friend bool operator==(const Bytes&, const Bytes&) = default;
   [[nodiscard]] std::size_t size() const { return bits_.size(); }
@@ -132,6 +135,12 @@ class Bytes {
     for (const double x :
          {e.uniform, e.mass, e.mass_lower95, e.coverage, e.free_share, e.along.divergence, e.along.empty_share}) {
       bits_.push_back(bits(x));
+    }
+    for (const BallHits& hits : {e.hitting.position, e.hitting.full}) {
+      for (const double x : {hits.hitting, hits.hitting_lo, hits.hitting_hi, hits.bottleneck, hits.bottleneck_lo,
+                             hits.bottleneck_hi, hits.at}) {
+        bits_.push_back(bits(x));
+      }
     }
     for (const double x : e.along.target) bits_.push_back(bits(x));
     for (const double x : e.along.samples) bits_.push_back(bits(x));
@@ -331,6 +340,22 @@ TEST_CASE("samples of all seeds together are scored without the seed whose path 
     CHECK(pooled.scores.expansion.estimator == "exact");
     CHECK(pooled.scores.expansion.unregularised ==
           Approx(pooled.scores.expansion.uniform - std::log(0.95)).margin(1e-6));
+    const Hitting& hitting = pooled.scores.expansion.hitting;
+    CHECK(std::abs(hitting.position.hitting) < 0.5);
+    CHECK(hitting.position.bottleneck <= 0.5);
+    CHECK(hitting.position.bottleneck_lo < 0.0);
+    CHECK(hitting.position.at > 0.0);
+    CHECK(hitting.position.at < hitting.length);
+    CHECK(hitting.samples > 0);
+    CHECK(hitting.samples <= 4000);
+    CHECK(std::isfinite(pooled.scores.tree.hitting.full.hitting));
+  }
+  // On its own path, and on those of other seeds, each run has its own.
+  for (const RunResult& run : result.runs) {
+    for (const auto where : {&LevelScores::root, &LevelScores::root_cross}) {
+      REQUIRE((root_of(run).*where).has_value());
+      CHECK(std::isfinite((*(root_of(run).*where)).tree.hitting.position.hitting));
+    }
   }
   experiment.measure->cross = 0;
   CHECK(run(experiment).pooled.empty());
@@ -368,6 +393,8 @@ TEST_CASE("the scores of the overview are a part of all scores", "[scoring]") {
       for (const auto role : {&Scores::tree, &Scores::expansion}) {
         CHECK((part.pooled[i].scores.*role).value_lo == (all.pooled[i].scores.*role).value_lo);
         CHECK((part.pooled[i].scores.*role).value_hi == (all.pooled[i].scores.*role).value_hi);
+        CHECK((part.pooled[i].scores.*role).hitting.position.hitting ==
+              (all.pooled[i].scores.*role).hitting.position.hitting);
       }
     }
   }

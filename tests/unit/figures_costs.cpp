@@ -456,8 +456,8 @@ TEST_CASE("a sweep is drawn over its number with intervals, and is not in the fi
 
 namespace {
 
-/// Costs of guided strategies with nats: by mass as `mass` has it, by spread 0.1 less for each further strategy.
-/// \param ratios  of each problem and strategy, to the baseline; infinite: no path
+/// Costs of guided strategies with nats: by mass as `mass` has it, by hitting half a nat more, by spread 0.1 less for
+/// each further strategy. \param ratios  of each problem and strategy, to the baseline; infinite: no path
 CostData with_nats(const std::vector<std::vector<double>>& ratios, const std::vector<std::vector<double>>& mass) {
   CostData data;
   data.baseline = "rrt";
@@ -479,7 +479,7 @@ CostData with_nats(const std::vector<std::vector<double>>& ratios, const std::ve
     for (std::size_t s = 0; s < mass[p].size(); ++s) {
       if (std::isnan(mass[p][s])) continue;
       const double spread = -0.1 * static_cast<double>(s);
-      data.nats.push_back({p, s + 1, false, true, seeds, mass[p][s], spread, mass[p][s] + spread});
+      data.nats.push_back({p, s + 1, false, true, seeds, mass[p][s], spread, mass[p][s] + spread, mass[p][s] + 0.5});
     }
   }
   return data;
@@ -509,18 +509,21 @@ TEST_CASE("the nats that order the checks within each problem have a correlation
   CHECK(found->differences[0].value == Approx(0.0));
   CHECK(correlation_text(found->rho[0]) == "-1.00 [-1.00, -1.00]");
   const auto rows = correlation_rows(data, "rrt");
-  REQUIRE(rows.size() == 7);
-  CHECK(rows[5] == std::array<std::string, 3>{"mass - SE", "+0.00 [+0.00, +0.00]", "-"});
+  REQUIRE(rows.size() == 10);
+  CHECK(rows[1][0] == "hitting");
+  CHECK(rows[5][0] == "hitting - mass");
+  CHECK(rows[8] == std::array<std::string, 3>{"mass - SE", "+0.00 [+0.00, +0.00]", "-"});
 
   const auto figure = correlation_figure(data, "rrt");
   REQUIRE(figure);
-  REQUIRE(figure->panels.size() == 3);
-  CHECK(figure->panels[0].title == "mass\nρ = -1.00 [-1.00, -1.00]");
-  CHECK(figure->panels[2].title.starts_with("SE\n"));
+  REQUIRE(figure->panels.size() == 4);
+  CHECK(figure->panels[0].title.starts_with("hitting\n"));
+  CHECK(figure->panels[1].title == "mass\nρ = -1.00 [-1.00, -1.00]");
+  CHECK(figure->panels[3].title.starts_with("SE\n"));
   REQUIRE(figure->panels[0].series.size() == 6);
   CHECK(figure->panels[0].series[2].name == "world 2");
-  CHECK(figure->panels[0].series[2].x == std::vector{0.3, 0.1, -0.5});
-  CHECK(figure->panels[1].series[2].x == std::vector{0.0, -0.1, -0.2});
+  CHECK(figure->panels[1].series[2].x == std::vector{0.3, 0.1, -0.5});
+  CHECK(figure->panels[2].series[2].x == std::vector{0.0, -0.1, -0.2});
   CHECK(figure->panels[0].series[2].y == std::vector{1.0, 2.0, infinity});
   CHECK(figure->caption.starts_with("Nodes of the root. 3 strategies with guides on 6 problems, 18 pairs of both: "));
   const fixture::Folder folder;
@@ -540,9 +543,10 @@ TEST_CASE("a reversed order has a correlation of 1, and mass and spread may disa
   const auto found = cost_correlation(with_nats({{1, 2, 3}, {2, 4, 8}}, {mass, mass}), "rrt");
   REQUIRE(found);
   CHECK(found->rho[0].value == Approx(1.0));
-  CHECK(found->rho[1].value == Approx(-1.0));
-  CHECK(found->rho[2].value == Approx(1.0));
-  CHECK(found->differences[0].value == Approx(2.0));
+  CHECK(found->rho[1].value == Approx(1.0));
+  CHECK(found->rho[2].value == Approx(-1.0));
+  CHECK(found->rho[3].value == Approx(1.0));
+  CHECK(found->differences[2].value == Approx(2.0));
   CHECK(std::isnan(found->rho[0].lo));  // two problems have no interval
   CHECK(correlation_text(found->rho[0]) == "+1.00");
   CHECK(correlation_explanation(*found, "rrt").find("bootstrap") == std::string::npos);
@@ -586,7 +590,7 @@ TEST_CASE("nats are on other seeds' paths where a problem has any, and are avera
   data.nats.push_back({0, 1, false, true, 9, 5.0, 0.0, 5.0});   // of another document
   const auto found = cost_correlation(data, "rrt");
   REQUIRE(found);
-  CHECK(found->dots[0].nats[0] == Approx((3.0 * 1.0 + 9.0 * 5.0) / 12.0));
+  CHECK(found->dots[0].nats[1] == Approx((3.0 * 1.0 + 9.0 * 5.0) / 12.0));
   // Those of the proposals are correlated by themselves.
   CHECK_FALSE(cost_correlation(data, "rrt", true));
   CostData both = data;
@@ -597,7 +601,7 @@ TEST_CASE("nats are on other seeds' paths where a problem has any, and are avera
   }
   const auto proposals = cost_correlation(both, "rrt", true);
   REQUIRE(proposals);
-  CHECK(proposals->rho[0].value == Approx(-cost_correlation(both, "rrt")->rho[0].value));
+  CHECK(proposals->rho[1].value == Approx(-cost_correlation(both, "rrt")->rho[1].value));
   for (CostData::Nats& one : data.nats) one.cross = one.cross && one.problem == 0;
   const auto mixed = cost_correlation(data, "rrt");
   REQUIRE(mixed);
@@ -659,6 +663,7 @@ TEST_CASE("the costs of an experiment are those of its document", "[report][cost
     CHECK(same->mass == one.mass);
     CHECK(same->spread == one.spread);
     CHECK(same->above == one.above);
+    CHECK(same->hitting == one.hitting);
   }
 }
 

@@ -78,6 +78,12 @@ inline Efficiency efficiency(double uniform, double value, std::size_t samples) 
   e.coverage = 0.8;
   e.samples = samples;
   e.in_target = samples / 10;
+  e.hitting.position = {
+      .hitting = uniform - value, .bottleneck = -0.9, .at = 4.2, .bottleneck_lo = -1.4, .bottleneck_hi = -0.4};
+  e.hitting.full = {
+      .hitting = uniform - value - 0.5, .bottleneck = -1.1, .at = 4.3, .bottleneck_lo = -2.0, .bottleneck_hi = 0.3};
+  e.hitting.length = 13.3;
+  e.hitting.samples = static_cast<double>(samples);
   return e;
 }
 

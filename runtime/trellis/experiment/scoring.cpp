@@ -2,6 +2,7 @@
 #include <trellis/experiment/scoring.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <trellis/base/parallel.hpp>
 #include <trellis/base/polling.hpp>
 #include <trellis/experiment/targets.hpp>
+#include <trellis/measure/hitting.hpp>
 #include <trellis/measure/samples.hpp>
 #include <trellis/measure/statistics.hpp>
 
@@ -23,6 +25,10 @@ constexpr std::int64_t few_points = 512;
 constexpr std::int64_t small_pool = 2048;
 constexpr std::size_t kept_points = 2048;    // of each run's target, for drawings
 constexpr std::size_t pooled_samples = 500;  // of each run, in the pool of all seeds
+// Hitting: samples of each run, and of the pool of all seeds, of which all strategies have the same number.
+constexpr std::size_t hitting_samples = 2000;
+constexpr std::size_t least_hitting = 600;
+constexpr std::size_t most_hitting = 4000;
 // Numbers of samples within this factor of each other need no equalising.
 constexpr double much_different = 2.0;
 
@@ -109,6 +115,8 @@ class ProblemScoring {
     const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
                                       [&](const Problem& p) { return p.name == runs_.front()->problem; });
     scored_->problem = &*problem;
+    balls_.resize(runs_.size());
+    balls_made_ = std::make_unique<std::once_flag[]>(runs_.size());
   }
 
   /// \param pooled  receives the pooled scores, appended
@@ -376,7 +384,7 @@ class ProblemScoring {
   }
 
   /// Scores perfect guidance and uniform sampling, to compare with a level's samples.
-  void score_references(const Target& target, const Sets& sets, std::uint64_t seed, LevelResult& level) const {
+  void score_references(const Target& target, const Sets& sets, std::size_t index, LevelResult& level) {
     if (users_) return;  // it would call the script's density for samples of no run
     const Space& space = target.space();
     const double log_target = target.is_uniform() ? -target.log_volume() : 0.0;
@@ -396,12 +404,12 @@ class ProblemScoring {
     for (const bool tree : {true, false}) {
       const std::size_t count = std::min((tree ? sets.tree : sets.expansion).total(), LevelResult::most_references);
       const bool closed = !tree && sets.density && target.is_uniform();
-      Stream stream(measure_seed + seed, "", tree ? "oracle tree" : "oracle expansion");
+      Stream stream(measure_seed + runs_[index]->seed, "", tree ? "oracle tree" : "oracle expansion");
       Efficiency& perfect = tree ? oracle.tree : oracle.expansion;
-      perfect = score(target.draw(count, stream), closed ? std::function<double(View)>([&](View x) {
-                        return target.contains(x) ? std::exp(log_target) : 0.0;
-                      })
-                                                         : std::function<double(View)>());
+      const Configurations drawn = target.draw(count, stream);
+      perfect = score(drawn, closed ? std::function<double(View)>(
+                                          [&](View x) { return target.contains(x) ? std::exp(log_target) : 0.0; })
+                                    : std::function<double(View)>());
       Configurations anywhere(space.dimension());
       Configuration x(space.dimension());
       for (std::size_t i = 0; i < count; ++i) {
@@ -411,6 +419,9 @@ class ProblemScoring {
       Efficiency& blind = tree ? uniform.tree : uniform.expansion;
       blind = score(anywhere, closed ? std::function<double(View)>([&](View) { return std::exp(-space.log_volume()); })
                                      : std::function<double(View)>());
+      if (!hits()) continue;
+      perfect.hitting = balls(index).hitting(drawn, {}, false);
+      blind.hitting = balls(index).hitting(anywhere, {}, false);
     }
     level.oracle = std::move(oracle);
     level.uniform = std::move(uniform);
@@ -482,6 +493,7 @@ class ProblemScoring {
     if (overview_ && !crossing.empty()) {
       for (LevelResult& level : result.levels) {
         level.root_cross = overview_scores(crossing, result, level.record);
+        if (!together_) score_hitting(index, level);
       }
       return;
     }
@@ -493,10 +505,11 @@ class ProblemScoring {
       if (root.target || !crossing.empty()) {
         const Sets sets = root_sets(result, record, space);
         if (root.target) level.root = scores(*root.target, sets, false);
-        if (root.target && record.level == 0) score_references(*root.target, sets, result.seed, level);
+        if (root.target && record.level == 0) score_references(*root.target, sets, index, level);
         level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets, true); });
       }
       if (!root.target && result.run.solved) level.root = absent(record, root.reason);
+      score_hitting(index, level);
       if (record.level == 0) {
         level.own = level.root;
         level.own_cross = level.root_cross;
@@ -662,7 +675,7 @@ class ProblemScoring {
   }
 
   /// Scores the samples of all seeds of each level, appended.
-  void score_pooled(std::vector<PooledScores>& pooled) const {
+  void score_pooled(std::vector<PooledScores>& pooled) {
     struct OfLevel {
       std::size_t strategy;
       std::string key;
@@ -713,8 +726,180 @@ class ProblemScoring {
                        .targets = donors.size(),
                        .scores = {mean(level.tree), mean(level.expansion)}});
     }
+    pool_hitting(found, donors);
     if (store_ != nullptr) store_->pooled(runs_.front()->problem, found);
     std::move(found.begin(), found.end(), std::back_inserter(pooled));
+  }
+
+  // Hitting ----------------------------------------------------------------------------------------------------------
+
+  /// Whether samples are scored in balls along paths, whose radius is that of the tube.
+  [[nodiscard]] bool hits() const { return std::holds_alternative<TubeSettings>(measure_.target); }
+
+  /// Returns the balls along the path of a run, which has one.
+  [[nodiscard]] const PathBalls& balls(std::size_t index) {
+    std::call_once(balls_made_[index], [&] {
+      const LevelRecord& root = runs_[index]->levels.front().record;
+      balls_[index] = std::make_unique<const PathBalls>(root.space, runs_[index]->run.path, root.position_axes,
+                                                        common_settings(measure_.target).delta);
+    });
+    return *balls_[index];
+  }
+
+  /// Returns the runs whose paths score a strategy's samples of one seed: its own runs with the next seeds, because a
+  /// guide may lead along another path than other guides do; without any, the runs that score all strategies.
+  [[nodiscard]] std::vector<std::size_t> hit_donors(std::size_t strategy, std::size_t seed) const {
+    std::vector<std::size_t> donors;
+    for (std::size_t k = 1; k < seeds_ && donors.size() < static_cast<std::size_t>(measure_.cross); ++k) {
+      const std::size_t other = strategy * seeds_ + (seed + k) % seeds_;
+      if (has_path(*runs_[other])) donors.push_back(other);
+    }
+    return donors.empty() ? donors_[seed] : donors;
+  }
+
+  /// A level's samples in the root's space for hitting: at most so many of a run, chosen by chance.
+  [[nodiscard]] static Configurations hitting_rows(const RunResult& run, const LevelRecord& record, bool tree,
+                                                   std::size_t most) {
+    const Stream some(measure_seed + run.seed, record.key, tree ? "hitting nodes" : "hitting proposals");
+    return thinned(tree ? nodes_of(record, record.root_nodes()) : expansion(record, record.root_proposals()), most,
+                   some);
+  }
+
+  /// Scores a level's samples of one run: on its own path, and on those of other seeds.
+  void score_hitting(std::size_t index, LevelResult& level) {
+    if (!hits()) return;
+    const RunResult& result = *runs_[index];
+    const View goal = result.levels.front().record.goal;
+    const std::vector<std::size_t> donors =
+        crosses() ? hit_donors(index / seeds_, index % seeds_) : std::vector<std::size_t>();
+    for (const bool tree : {true, false}) {
+      Efficiency Scores::*const role = tree ? &Scores::tree : &Scores::expansion;
+      const bool own = level.root && has_path(result);
+      const bool cross = level.root_cross && !donors.empty();
+      if (!own && !cross) continue;
+      const Configurations rows = hitting_rows(result, level.record, tree, hitting_samples);
+      if (rows.empty()) continue;
+      if (own) ((*level.root).*role).hitting = balls(index).hitting(rows, goal);
+      if (!cross) continue;
+      std::vector<Hitting> found;
+      for (const std::size_t donor : donors) found.push_back(balls(donor).hitting(rows, goal, false));
+      ((*level.root_cross).*role).hitting = mean(found);
+    }
+  }
+
+  /// A level's samples of all seeds, for hitting.
+  struct HittingPool {
+    std::size_t strategy = 0;
+    std::string key;
+    bool tree = false;
+    std::vector<std::size_t> donors = {};   ///< runs whose paths score it
+    std::vector<Configurations> rows = {};  ///< of each seed, without those at the goal
+    Hitting found = {};
+
+    /// Returns the number of samples without those of one seed.
+    [[nodiscard]] std::size_t without(std::size_t seed) const {
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i) count += i == seed ? 0 : rows[i].size();
+      return count;
+    }
+  };
+
+  /// Collects the samples of a pool, and the paths that score it: of the strategy's own runs, else of any.
+  void fill(HittingPool& pool, const std::vector<std::size_t>& others) const {
+    for (std::size_t seed = 0; seed < seeds_; ++seed) {
+      const std::size_t index = pool.strategy * seeds_ + seed;
+      const RunResult& one = *runs_[index];
+      if (has_path(one) && pool.donors.size() < static_cast<std::size_t>(measure_.cross)) pool.donors.push_back(index);
+      const auto level = std::find_if(one.levels.begin(), one.levels.end(),
+                                      [&](const LevelResult& candidate) { return candidate.record.key == pool.key; });
+      Configurations& kept = pool.rows.emplace_back();
+      if (level == one.levels.end()) continue;
+      const Configuration& goal = one.levels.front().record.goal;
+      const Configurations rows = hitting_rows(one, level->record, pool.tree, hitting_samples);
+      kept = Configurations(rows.dimension());
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (!std::equal(goal.begin(), goal.end(), rows[i].begin(), rows[i].end())) kept.push(rows[i]);
+      }
+    }
+    if (pool.donors.empty()) pool.donors = others;
+  }
+
+  /// Scores a pool: hitting by `equal` samples, the bottleneck by all.
+  void score_pool(HittingPool& pool, std::size_t equal) {
+    std::vector<Hitting> pooled;
+    std::vector<std::vector<double>> position(seeds_);  // of the runs, on each path
+    std::vector<std::vector<double>> full(seeds_);
+    for (const std::size_t donor : pool.donors) {
+      poll();
+      const std::size_t without = donor % seeds_;
+      Configurations all(runs_[donor]->levels.front().record.space.dimension());
+      for (std::size_t seed = 0; seed < seeds_; ++seed) {
+        if (seed == without || pool.rows[seed].empty()) continue;
+        for (std::size_t i = 0; i < pool.rows[seed].size(); ++i) all.push(std::as_const(pool.rows[seed])[i]);
+        // Single runs have their share of the equal number, too.
+        const Stream some(measure_seed + seed, pool.key, "hitting of a run");
+        const Hitting run = balls(donor).hitting(
+            thinned(pool.rows[seed], std::max<std::size_t>(1, equal / (seeds_ - 1)), some), {}, false);
+        position[seed].push_back(run.position.hitting);
+        full[seed].push_back(run.full.hitting);
+      }
+      if (all.empty()) continue;
+      Hitting hitting = balls(donor).hitting(all, {}, pooled.empty());
+      const Hitting by_equal =
+          balls(donor).hitting(thinned(all, equal, Stream(measure_seed, pool.key, "hitting of all")), {}, false);
+      hitting.position.hitting = by_equal.position.hitting;
+      hitting.full.hitting = by_equal.full.hitting;
+      hitting.samples = by_equal.samples;
+      pooled.push_back(hitting);
+    }
+    pool.found = mean(pooled);
+    const auto over_runs = [](const std::vector<std::vector<double>>& runs, BallHits& hits) {
+      std::vector<double> values;
+      for (const std::vector<double>& one : runs) {
+        if (!one.empty())
+          values.push_back(std::accumulate(one.begin(), one.end(), 0.0) / static_cast<double>(one.size()));
+      }
+      const Interval interval = student_interval(values);
+      hits.hitting_lo = hits.hitting - 0.5 * (interval.hi - interval.lo);
+      hits.hitting_hi = hits.hitting + 0.5 * (interval.hi - interval.lo);
+    };
+    over_runs(position, pool.found.position);
+    over_runs(full, pool.found.full);
+  }
+
+  /// Scores the samples of all seeds of each level in balls along paths, all strategies' by as many samples.
+  void pool_hitting(std::vector<PooledScores>& pooled, const std::vector<std::size_t>& others) {
+    if (!hits() || pooled.empty()) return;
+    std::vector<HittingPool> pools;
+    std::vector<Efficiency*> to;
+    for (PooledScores& one : pooled) {
+      std::size_t strategy = 0;
+      while (run(strategy, 0).strategy != one.strategy) ++strategy;
+      for (const bool tree : {true, false}) {
+        pools.push_back({.strategy = strategy, .key = one.key, .tree = tree});
+        to.push_back(tree ? &one.scores.tree : &one.scores.expansion);
+      }
+    }
+    in_parallel(pools.size(), jobs_, [&](std::size_t i) {
+      const PollScope polled(polled_);
+      fill(pools[i], others);
+    });
+    std::array<std::size_t, 2> equal = {most_hitting, most_hitting};  // of proposals, of nodes
+    const std::string& root =
+        runs_.front()->levels.empty() ? std::string("0") : runs_.front()->levels.front().record.key;
+    for (const HittingPool& pool : pools) {
+      if (pool.key != root) continue;
+      for (const std::size_t donor : pool.donors) {
+        const std::size_t count = pool.without(donor % seeds_);
+        std::size_t& least = equal[pool.tree ? 1 : 0];
+        if (count > 0) least = std::min(least, std::max(count, least_hitting));
+      }
+    }
+    in_parallel(pools.size(), jobs_, [&](std::size_t i) {
+      const PollScope polled(polled_);
+      score_pool(pools[i], equal[pools[i].tree ? 1 : 0]);
+    });
+    for (std::size_t i = 0; i < pools.size(); ++i) to[i]->hitting = pools[i].found;
   }
 
   // Equal numbers ----------------------------------------------------------------------------------------------------
@@ -809,6 +994,8 @@ class ProblemScoring {
   std::vector<std::vector<std::size_t>> donors_;         // of each seed
   std::size_t equal_nodes_ = 0;                          // 0: not computed
   std::size_t equal_proposals_ = 0;
+  std::vector<std::unique_ptr<const PathBalls>> balls_;  // of each run; made where they score
+  std::unique_ptr<std::once_flag[]> balls_made_;
   bool users_;            // the target is a script's
   bool headline_only_;    // no other estimator is requested
   bool rough_intervals_;  // of single runs: reports print the pooled ones first

@@ -389,6 +389,10 @@ Efficiency mean(std::span<const Efficiency> figures) {
   for (const Efficiency& e : figures) inside += static_cast<double>(e.in_target);
   result.in_target = static_cast<std::size_t>(std::llround(inside / static_cast<double>(figures.size())));
   result.along = mean_along(figures);
+  std::vector<Hitting> hits;
+  hits.reserve(figures.size());
+  for (const Efficiency& e : figures) hits.push_back(e.hitting);
+  result.hitting = mean(hits);
   for (const Estimate& other : first.others) {
     std::vector<Estimate> same;
     for (const Efficiency* e : with) {

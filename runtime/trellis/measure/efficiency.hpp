@@ -11,6 +11,7 @@
 
 #include <trellis/measure/along.hpp>
 #include <trellis/measure/estimator.hpp>
+#include <trellis/measure/hitting.hpp>
 #include <trellis/measure/target.hpp>
 
 namespace trellis {
@@ -42,6 +43,8 @@ struct Efficiency : Estimate {
   /// The share of the tube that is free.
   double free_share = std::numeric_limits<double>::quiet_NaN();
   Along along;
+  /// Of the samples in balls along a path, which need not be the target's. Set by those who score several paths.
+  Hitting hitting;
   std::size_t samples = 0;    ///< N
   std::size_t in_target = 0;  ///< n, samples in A, copies counted
   std::size_t repeated = 0;   ///< samples that occur more than once: atoms, mass without density

@@ -25,7 +25,7 @@ using Nats = std::array<double, predictors.size()>;
 class MeanNats {
  public:
   void add(const CostData::Nats& one) {
-    const Nats nats = {one.mass, one.spread, one.above};
+    const Nats nats = {one.hitting, one.mass, one.spread, one.above};
     runs_ += one.runs;
     // The first is taken as it is: rounding must not make the picture of a document differ from that of its runs.
     const double share = static_cast<double>(one.runs) / static_cast<double>(runs_);
@@ -134,7 +134,8 @@ std::string correlation_explanation(const CostCorrelation& found, const std::str
           : fmt::format("other seeds' paths in {} of {}, else its own", found.cross, plural(found.problems, "problem"));
   return fmt::format(
       "{} with guides on {}, {} of both: nats above uniform of the root on {}, the mean over the runs (mass + "
-      "spread = SE), and validity checks divided by those of {} on the same seed, the median. Spearman's rank "
+      "spread = SE; hitting: by as many samples of each strategy, on paths of its own), and validity checks divided by "
+      "those of {} on the same seed, the median. Spearman's rank "
       "correlation within problems; -1: the more nats, the fewer checks.{}",
       plural_y(found.strategies, "strateg"), plural(found.problems, "problem"), plural(found.dots.size(), "pair"),
       paths, baseline,

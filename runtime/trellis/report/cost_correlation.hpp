@@ -14,14 +14,14 @@
 namespace trellis {
 
 /// The parts of the measure that may predict a cost, in the order of all lists below.
-inline constexpr std::array<const char*, 3> predictors = {"mass", "spread", "SE"};
+inline constexpr std::array<const char*, 4> predictors = {"hitting", "mass", "spread", "SE"};
 
 /// Two predictors whose correlations are compared: indices into `predictors`.
 struct PredictorPair {
   std::size_t first;
   std::size_t second;
 };
-inline constexpr std::array<PredictorPair, 3> predictor_pairs = {{{0, 1}, {0, 2}, {1, 2}}};
+inline constexpr std::array<PredictorPair, 5> predictor_pairs = {{{0, 1}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 /// Whether strategies whose samples have more nats above uniform cost fewer validity checks.
 struct CostCorrelation {

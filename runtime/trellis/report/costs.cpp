@@ -34,6 +34,7 @@ void add_nats(CostData& data, std::size_t problem, std::size_t strategy, const L
     for (const bool cross : {false, true}) {
       const FigurePair& pair = cross ? root.root_cross : root.root;
       const Figure& figure = proposals ? pair.expansion : pair.tree;
+      const SampleRole role = proposals ? SampleRole::expansion : SampleRole::tree;
       const CostData::Nats nats{problem,
                                 strategy,
                                 proposals,
@@ -41,7 +42,8 @@ void add_nats(CostData& data, std::size_t problem, std::size_t strategy, const L
                                 figure.scored,
                                 figure["D_uniform"].value - figure["SE_parts.mass"].value,
                                 -figure["SE_parts.spread"].value,
-                                figure["above_uniform"].value};
+                                figure["above_uniform"].value,
+                                cross ? hitting_of(root, role).position.hitting : figure["hitting.nats"].value};
       const bool known = std::isfinite(nats.mass) && std::isfinite(nats.spread) && std::isfinite(nats.above);
       if (known && nats.runs > 0) data.nats.push_back(nats);
     }

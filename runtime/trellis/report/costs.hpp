@@ -47,6 +47,8 @@ struct CostData {
     double mass = 0.0;         ///< by mass; mass + spread = above
     double spread = 0.0;       ///< by spread
     double above = 0.0;        ///< uniform - SE
+    /// Hitting by position; of all seeds together where they are scored on the paths of other seeds.
+    double hitting = std::numeric_limits<double>::quiet_NaN();
   };
   std::vector<Problem> problems;
   std::vector<Strategy> strategies;

@@ -86,11 +86,72 @@ inline double mass_lo(const Efficiency& e) { return regularised_mass(e.mass_lo, 
 inline double mass_hi(const Efficiency& e) { return regularised_mass(e.mass_hi, e.uniform); }
 
 inline constexpr const char* parts = "SE_parts";
+inline constexpr const char* hitting = "hitting";
+inline constexpr const char* bottleneck = "bottleneck";
 
 }  // namespace quantity_lines
 
 /// Those of the measure, in the order of reports; those of a group follow one another. A new one is a line here.
 inline constexpr auto measure_quantities = std::to_array<MeasureQuantity>({
+    quantity_lines::stored(
+        {quantity_lines::hitting, "nats", "", "nats", Better::more,
+         "how much sooner than uniform samples these hit the balls along a path in turn, by position: the log ratio of "
+         "the expected numbers of samples"},
+        [](auto& e) -> auto& { return e.hitting.position.hitting; }, true, true),
+    quantity_lines::stored(
+        {quantity_lines::hitting, "lo", "", "nats", Better::more,
+         "the lower end of Student's 95 % interval of hitting.nats over runs"},
+        [](auto& e) -> auto& { return e.hitting.position.hitting_lo; }, true),
+    quantity_lines::stored(
+        {quantity_lines::hitting, "hi", "", "nats", Better::more, "the upper end of that interval"},
+        [](auto& e) -> auto& { return e.hitting.position.hitting_hi; }, true),
+    quantity_lines::stored(
+        {quantity_lines::hitting, "full", "", "nats", Better::more,
+         "hitting in the full metric, with balls of 0.7 delta: a wrong heading does not score"},
+        [](auto& e) -> auto& { return e.hitting.full.hitting; }, true, true),
+    quantity_lines::stored(
+        {quantity_lines::hitting, "full_lo", "", "nats", Better::more,
+         "the lower end of Student's 95 % interval of hitting.full over runs"},
+        [](auto& e) -> auto& { return e.hitting.full.hitting_lo; }, true),
+    quantity_lines::stored(
+        {quantity_lines::hitting, "full_hi", "", "nats", Better::more, "the upper end of that interval"},
+        [](auto& e) -> auto& { return e.hitting.full.hitting_hi; }, true),
+    quantity_lines::stored(
+        {quantity_lines::hitting, "N", "", "", Better::none, "samples that hitting counts, without those at the goal"},
+        [](auto& e) -> auto& { return e.hitting.samples; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "nats", "", "nats", Better::more,
+         "the least log ratio of the share of these samples in a ball along the path to that of uniform samples, by "
+         "position: where samples are rarest"},
+        [](auto& e) -> auto& { return e.hitting.position.bottleneck; }, true, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "lo", "", "nats", Better::more,
+         "the lower end of the 95 % interval of bottleneck.nats, simultaneous over the balls (Clopper and Pearson)"},
+        [](auto& e) -> auto& { return e.hitting.position.bottleneck_lo; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "hi", "", "nats", Better::more, "the upper end of that interval"},
+        [](auto& e) -> auto& { return e.hitting.position.bottleneck_hi; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "at", "", "m", Better::none,
+         "the place of bottleneck.nats: arc length along the path"},
+        [](auto& e) -> auto& { return e.hitting.position.at; }, true, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "length", "", "m", Better::none, "the length of that path"},
+        [](auto& e) -> auto& { return e.hitting.length; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "full", "", "nats", Better::more, "bottleneck.nats in the full metric"},
+        [](auto& e) -> auto& { return e.hitting.full.bottleneck; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "full_lo", "", "nats", Better::more,
+         "the lower end of the 95 % interval of bottleneck.full"},
+        [](auto& e) -> auto& { return e.hitting.full.bottleneck_lo; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "full_hi", "", "nats", Better::more, "the upper end of that interval"},
+        [](auto& e) -> auto& { return e.hitting.full.bottleneck_hi; }, true),
+    quantity_lines::stored(
+        {quantity_lines::bottleneck, "full_at", "", "m", Better::none,
+         "the place of bottleneck.full: arc length along the path in the full metric"},
+        [](auto& e) -> auto& { return e.hitting.full.at; }, true),
     quantity_lines::estimated(
         {"", "D", "D(T‖Q)", "nats", Better::less,
          "the divergence with nothing mixed in: infinite where a part of the target has no sample"},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/report/run_json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -273,6 +274,12 @@ Json quantities_json(const Efficiency& scored, const Chosen& chosen) {
     if (!same && quantity.field != nullptr) place_of(quantity, estimates) = number(estimate);
   }
   if (!estimates.empty()) out["estimates"] = std::move(estimates);
+  // Most sets are scored in no balls.
+  for (const char* group : {"hitting", "bottleneck"}) {
+    const auto found = out.find(group);
+    if (found == out.end()) continue;
+    if (std::all_of(found->begin(), found->end(), [](const Json& x) { return x.is_null(); })) *found = nullptr;
+  }
   return out;
 }
 

@@ -157,8 +157,10 @@ Figure figure(const Levels& levels, Where where, Role role) {
   result.in_target = median(values_of(figures, [](const Efficiency& e) { return e.in_target; }));
   for (const MeasureQuantity& quantity : measure_quantities) {
     if (!quantity.in_runs) continue;
-    // Uniform sampling has its divergence where the samples have none, too.
-    const auto& scores = quantity.is("D_uniform") ? all : figures;
+    // Uniform sampling has its divergence where the samples have none, too; hitting needs no estimate.
+    const std::string_view group = quantity.group;
+    const bool without = quantity.is("D_uniform") || group == "hitting" || group == "bottleneck";
+    const auto& scores = without ? all : figures;
     result[MeasureIndex(quantity)] = student_interval(values_of(scores, quantity.of_run));
   }
   const auto least = [](const Efficiency& e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); };
@@ -451,6 +453,40 @@ Headline headline(const LevelSummary& level, SampleRole role) {
           .runs = result.runs};
 }
 
+Hitting hitting_of(const LevelSummary& level, SampleRole role, bool* own) {
+  if (own != nullptr) *own = false;
+  if (level.pooled) {
+    const Efficiency& together = role == SampleRole::tree ? level.pooled->tree : level.pooled->expansion;
+    if (!std::isnan(together.hitting.position.hitting)) return together.hitting;
+  }
+  Figure FigurePair::*const part = role == SampleRole::tree ? &FigurePair::tree : &FigurePair::expansion;
+  const bool cross = !std::isnan((level.root_cross.*part)["hitting.nats"].value);
+  if (own != nullptr) *own = !cross;
+  const Figure& figure = (cross ? level.root_cross : level.root).*part;
+  Hitting result;
+  const auto over_runs = [](const Interval& interval, BallHits& hits) {
+    hits.hitting = interval.value;
+    hits.hitting_lo = interval.lo;
+    hits.hitting_hi = interval.hi;
+  };
+  over_runs(figure["hitting.nats"], result.position);
+  over_runs(figure["hitting.full"], result.full);
+  result.samples = figure["hitting.N"].value;
+  // Places on several paths have no mean.
+  const Figure& alone = level.root.*part;
+  if (level.runs != 1) return result;
+  result.position.bottleneck = alone["bottleneck.nats"].value;
+  result.position.bottleneck_lo = alone["bottleneck.lo"].value;
+  result.position.bottleneck_hi = alone["bottleneck.hi"].value;
+  result.position.at = alone["bottleneck.at"].value;
+  result.full.bottleneck = alone["bottleneck.full"].value;
+  result.full.bottleneck_lo = alone["bottleneck.full_lo"].value;
+  result.full.bottleneck_hi = alone["bottleneck.full_hi"].value;
+  result.full.at = alone["bottleneck.full_at"].value;
+  result.length = alone["bottleneck.length"].value;
+  return result;
+}
+
 bool disagree(const AboveUniform& a, const AboveUniform& b) {
   constexpr double visible = 0.005;  // half of the last printed digit
   return a.printed() && b.printed() && (a.hi < b.lo - visible || b.hi < a.lo - visible);
@@ -617,6 +653,11 @@ RunsSummary summarise(const ExperimentFacts& experiment, const std::string& prob
     if (tree.empty()) continue;
     pooled.tree = mean(tree);
     pooled.expansion = mean(expansion);
+    for (Efficiency* one : {&pooled.tree, &pooled.expansion}) {
+      if (tree.size() == 1) continue;
+      // Paths of several problems have no common place.
+      one->hitting = {{.hitting = one->hitting.position.hitting}, {.hitting = one->hitting.full.hitting}};
+    }
     level.pooled = std::move(pooled);
   }
   add_waterfalls(summary);

@@ -159,6 +159,10 @@ enum class SampleRole : std::uint8_t { tree, expansion };
 Headline headline(const LevelSummary& level, SampleRole role);
 /// Returns the same over the runs, also where `headline` is of all seeds together.
 Headline over_runs(const LevelSummary& level, SampleRole role);
+/// Returns hitting and the bottleneck of a level's samples, lifted to the root, with the intervals that reports print:
+/// of all seeds together where there are several, else over the runs on each run's own path. NaN without any.
+/// \param own  receives whether it is on each run's own path
+Hitting hitting_of(const LevelSummary& level, SampleRole role, bool* own = nullptr);
 /// Whether no value lies in both intervals; false where one of them is blank.
 bool disagree(const AboveUniform& a, const AboveUniform& b);
 

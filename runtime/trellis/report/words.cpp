@@ -70,6 +70,20 @@ std::string ends_text(double lo, double hi, bool sign) {
   return from == to ? from : from + "…" + to;
 }
 
+std::string hitting_text(const BallHits& hits) {
+  return interval_text({.value = hits.hitting, .lo = hits.hitting_lo, .hi = hits.hitting_hi}, 2, true);
+}
+
+std::string bottleneck_text(const BallHits& hits, double length) {
+  if (std::isnan(hits.bottleneck)) return "";
+  const std::string ends =
+      fmt::format("[{}, {}]", std::isinf(hits.bottleneck_lo) ? "-inf" : fixed(hits.bottleneck_lo, 1, true),
+                  fixed(hits.bottleneck_hi, 1, true));
+  if (hits.bottleneck_lo <= 0.0 && hits.bottleneck_hi >= 0.0) return "not shown " + ends;
+  return fmt::format("thinnest at {} m of {} m: {} nats {}", fixed(hits.at, 1), fixed(length, 1),
+                     fixed(hits.bottleneck, 1, true), ends);
+}
+
 std::string p_text(double p) { return p < 0.001 ? "<0.001" : fixed(p, 3); }
 
 std::string ratio_text(const Interval& ratio) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/measure/hitting.hpp>
 #include <trellis/measure/statistics.hpp>
 
 namespace trellis {
@@ -29,6 +30,11 @@ std::string thousands(double x);
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
 /// "-0.42…+1.20", the ends of an interval; one number where they print the same.
 std::string ends_text(double lo, double hi, bool sign = true);
+/// "+1.20 ±0.15", nats of hitting; "-" for a missing value.
+std::string hitting_text(const BallHits& hits);
+/// "thinnest at 4.2 m of 13.3 m: -0.9 nats [-1.4, -0.4]"; "not shown [-0.3, +0.8]" where the samples show neither that
+/// they are rarer than uniform ones at some place nor that they are more frequent everywhere. "" for a missing value.
+std::string bottleneck_text(const BallHits& hits, double length);
 /// "<0.001", "0.040".
 std::string p_text(double p);
 /// "0.37 [0.29, 0.52]", a median of ratios; "-" for a missing value, and no brackets without an interval.

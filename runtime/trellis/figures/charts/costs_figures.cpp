@@ -526,7 +526,8 @@ std::vector<draw::Figure> sweep_figures(const CostData& data, const std::string&
 std::optional<draw::Figure> correlation_figure(const CostData& data, const std::string& baseline) {
   const auto found = cost_correlation(data, baseline);
   if (!found) return std::nullopt;
-  constexpr std::array labels = {"nats above uniform by mass", "nats above uniform by spread", "nats above uniform"};
+  constexpr std::array labels = {"nats above uniform by hitting", "nats above uniform by mass",
+                                 "nats above uniform by spread", "nats above uniform"};
   constexpr std::size_t markers = 5;  // of draw::Marker
   constexpr std::size_t colours = draw::palette::series.size();
   const bool named = found->problems <= markers * colours;

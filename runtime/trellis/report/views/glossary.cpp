@@ -30,6 +30,17 @@ const std::vector<ReportTerm>& report_terms() {
        "there were none"},
       {"share", "this level's part of what all runs spent in all levels, in per cent"},
       {"nats", "the unit of divergences: natural logarithms"},
+      {"hitting",
+       "how much sooner than uniform samples these hit the balls along a path in turn, nats: the log ratio of the "
+       "expected numbers of samples. 0 is uniform sampling, more is better. It ranks guides as their costs do, which "
+       "SE "
+       "does not. By position, and in the full metric, where a wrong heading does not score. All strategies are "
+       "compared "
+       "by as many samples, on paths that other seeds found"},
+      {"bottleneck",
+       "the place on that path where samples are rarest beside uniform ones, and log of the ratio there with its 95 % "
+       "interval. Not shown: the samples show neither that they are rarer somewhere nor that they are more frequent "
+       "everywhere"},
       {"SE",
        "sampling efficiency of the paper, SE_T(Q) = D(T||Q), Kullback-Leibler: how unlike the target T the samples Q "
        "are, in nats, with 5 % uniform samples mixed in, so that it is finite; lower is better"},

@@ -383,6 +383,37 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
   return rows.text(width) + reasons_text(levels, width);
 }
 
+/// Returns hitting and the bottleneck of every level and role, lifted to the root; "" where there is none.
+std::string hitting_table(const std::vector<LevelSummary>& levels, std::size_t width) {
+  const std::string nats = "hitting, nats above uniform";
+  Table table({text_column("level"), Table::Column{{"samples"}, "", true, true}, number_column({"N"}),
+               number_column({"by", "position"}, nats), number_column({"full", "metric"}, nats),
+               text_column("bottleneck, by position")});
+  const auto labels = level_labels(levels);
+  bool any = false;
+  bool any_own = false;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    bool named = false;
+    for (const SampleRole role : {SampleRole::tree, SampleRole::expansion}) {
+      bool own = false;
+      const Hitting hitting = hitting_of(levels[i], role, &own);
+      if (std::isnan(hitting.position.hitting)) continue;
+      any = true;
+      any_own = any_own || own;
+      table.add({named ? "" : labels[i], role == SampleRole::tree ? "tree" : "expansion", count_text(hitting.samples),
+                 hitting_text(hitting.position), hitting_text(hitting.full),
+                 bottleneck_text(hitting.position, hitting.length)});
+      named = true;
+    }
+  }
+  if (!any) return "";
+  return table.text(width) +
+         (any_own
+              ? wrap("on each run's own path, which its samples fit; other seeds give other paths", width, "  ", "  ")
+              : "") +
+         '\n';
+}
+
 /// Lists where a headline without estimation and the estimate beside it differ by more than their interval.
 std::string check_text(const std::vector<LevelSummary>& levels, std::size_t width) {
   constexpr double agreed = 0.1;  // nats: about the estimators' own bias
@@ -445,7 +476,7 @@ std::string metrics_table(const std::vector<LevelSummary>& levels, std::size_t w
 std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
   if (!any_figure(levels)) return "no path, so no target to score against\n";
-  std::string out = measure_table(levels, width);
+  std::string out = hitting_table(levels, width) + measure_table(levels, width);
   if (levels.size() > 1) {
     out += waterfall_text("what each level adds, tree:       ", summary.tree_waterfall, levels, width);
     out += waterfall_text("what each level adds, expansion:  ", summary.expansion_waterfall, levels, width);
@@ -532,6 +563,9 @@ class RootColumns {
       const Headline nodes = headline(root, SampleRole::tree);
       const Headline proposals = headline(root, SampleRole::expansion);
       seeds_ = std::max({seeds_, nodes.seeds, proposals.seeds});
+      hitting_tree_.push_back(hitting_text(hitting_of(root, SampleRole::tree).position));
+      hitting_expansion_.push_back(hitting_text(hitting_of(root, SampleRole::expansion).position));
+      hits_ = hits_ || hitting_tree_.back() != "-" || hitting_expansion_.back() != "-";
       pooled_tree_.add(nodes.seeds > 0 ? nodes.above : AboveUniform{}, nodes.seeds);
       pooled_expansion_.add(proposals.seeds > 0 ? proposals.above : AboveUniform{}, proposals.seeds);
       tree_.add(root.root.tree, {row.strategy, "tree"}, notes_);
@@ -545,6 +579,7 @@ class RootColumns {
     const auto add = [&](const std::string& group, std::initializer_list<const char*> names) {
       for (const char* name : names) columns.push_back(number_column({name}, group));
     };
+    if (hits_) add("hitting, by position", {"tree", "expansion"});
     if (seeds_ > 0) add("above uniform, all seeds together", {"tree", "expansion"});
     add("above uniform, own path", {"n", "tree", "expansion"});
     if (crossed_) add("above uniform, other seeds' paths", {"n", "tree", "expansion"});
@@ -553,6 +588,7 @@ class RootColumns {
 
   /// Adds the cells of row `i`.
   void add_cells(std::size_t i, const LevelSummary& root, std::vector<std::string>& cells) const {
+    if (hits_) cells.insert(cells.end(), {hitting_tree_[i], hitting_expansion_[i]});
     if (seeds_ > 0) cells.insert(cells.end(), {pooled_tree_.text()[i], pooled_expansion_.text()[i]});
     cells.insert(cells.end(), {scored_text(root.root), tree_.text()[i], expansion_.text()[i]});
     if (crossed_) {
@@ -573,6 +609,9 @@ class RootColumns {
   FigureColumn cross_expansion_;
   FigureColumn pooled_tree_;
   FigureColumn pooled_expansion_;
+  std::vector<std::string> hitting_tree_;
+  std::vector<std::string> hitting_expansion_;
+  bool hits_ = false;      // any of them has a value
   std::size_t seeds_ = 0;  // of all seeds together
   bool crossed_ = false;
   bool equal_ = false;
@@ -739,6 +778,9 @@ std::string legend(const ExperimentSummary& experiment, std::size_t width) {
   const std::string names = fmt::format("{}", fmt::join(experiment.estimators, ", "));
   out += wrap(
       fmt::format(
+          "Hitting: how much sooner than uniform samples these hit the balls along a path in turn, nats, 0 is uniform "
+          "sampling, more is better; it ranks guides as their costs do. Bottleneck: where on that path they are "
+          "rarest. "
           "Above uniform: nats by which samples are nearer to the target than uniform ones, more is better; it is "
           "uniform - SE. SE: sampling efficiency, the divergence of the target from the samples with {:g} % uniform "
           "mixed in, the sum of mass, how seldom a sample lies in the target, and spread, how unevenly those that "
