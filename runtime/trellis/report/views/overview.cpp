@@ -183,7 +183,7 @@ std::string overview_text(const ExperimentSummary& experiment, std::size_t width
       if (!experiment.strategies[s].ablation.empty()) continue;
       const std::string table =
           couplings_table(experiment.strategies[s], problem->strategies[s], width, most_couplings);
-      if (!table.empty()) out += '\n' + (problem->problem.empty() ? "" : problem->problem + ": ") + table;
+      if (!table.empty()) out += '\n' + (experiment.listed().size() > 1 ? problem->problem + ": " : "") + table;
     }
   }
   return out + '\n' + wrap(answer.next, width, "→ ", "  ") +
