@@ -305,8 +305,9 @@ class SpaceView:
 
     def _faces(self, ax: Any, buffer: DepthBuffer, colours: Array) -> None:
         """The faces as an image: four pixels of the buffer become one."""
-        n = buffer.count - buffer.count % 2
-        face = buffer.face.reshape(buffer.count, -1)[:n, :n]
+        shown = np.floor((self.hi - buffer.lo) / buffer.pixel / 2 + 1e-9).astype(int) * 2
+        wide, high = shown.clip(2, buffer.count // 2 * 2)
+        face = buffer.face.reshape(buffer.count, -1)[:high, :wide]
         covered = (face >= 0).astype(float)
         rgb = np.where((face >= 0)[..., None], colours[face] if len(colours) else 0.0, 0.0)
         def quarter(x: Array) -> Array:
@@ -314,9 +315,9 @@ class SpaceView:
         share = quarter(covered)
         image = np.dstack([quarter(rgb) / np.maximum(share, 0.25)[..., None], share])
         image = np.round(image * 255).astype(np.uint8)
-        end = buffer.lo + n * buffer.pixel
-        ax.imshow(image, origin="lower", extent=(buffer.lo[0], end[0], buffer.lo[1], end[1]), interpolation="none",
-                  zorder=_IMAGE, aspect="equal")
+        end = buffer.lo + np.array([wide, high]) * buffer.pixel
+        ax.imshow(image, origin="lower", extent=(buffer.lo[0], end[0], buffer.lo[1], end[1]), interpolation="nearest",
+                  zorder=_IMAGE, aspect="equal", rasterized=True)  # vector files move other images by pixels
         ax.set(xlim=(self.lo[0], self.hi[0]), ylim=(self.lo[1], self.hi[1]))
 
     def _box(self, ax: Any, buffer: DepthBuffer) -> None:
