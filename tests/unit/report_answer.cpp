@@ -371,7 +371,7 @@ TEST_CASE("tables are aligned and fit, also with wide names", "[report][answer]"
   CHECK(column(text, wide + " ", "pays") == column(text, "  without 骨", "keep it"));
   check_width(text, 100);
 
-  // Long names give way, and narrow reports are split.
+  // Long names are shortened, and narrow reports are split.
   const std::string name(90, 'x');
   Costs longer({"tree", name}, 1, 12);
   longer.run("tree", constant(9000.0));

@@ -214,8 +214,8 @@ TEST_CASE("the report names the assumption by which runs share a set-up", "[repo
     CHECK(has(full, "set-up: 4000 units of work, 17 ms, in each run (queries = 1)\n") == (queries == 1.0));
     const std::string text = overview(experiment, result, 160);
     CHECK(has(text,
-              "set-up, once per world, beside ms: nested 17 ms (4,000 units of work); shared by 1000 queries, by "
-              "assumption\n") == (queries > 1.0));
+              "set-up, once per world, beside ms: nested 17 ms (4,000 units of work)\n  shared by 1000 queries, "
+              "by assumption\n") == (queries > 1.0));
     CHECK(has(text, "set-up, in each run (queries = 1), in ms: nested 17 ms (4,000 units of work)\n") ==
           (queries == 1.0));
   }

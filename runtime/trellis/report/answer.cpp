@@ -423,29 +423,28 @@ std::string why_text(const Source& source) {
   return parts.empty() ? "" : fmt::format("why: nodes {}, ÷ as many uniform samples: {}", near, joined(parts));
 }
 
-std::string set_up_note(const Source& source) {
+/// The largest set-up, and the assumption by which runs share it.
+std::vector<std::string> set_up_notes(const Source& source) {
   const ExperimentSummary& summary = source.summary();
-  std::vector<std::string> shared;
-  std::vector<std::string> each;
-  double queries = 0.0;
+  const RunsSummary* largest = nullptr;
+  std::string name;
+  double ms = 0.0;
   for (const std::size_t s : source.strategies()) {
     const RunsSummary& runs = overall(summary).strategies[s].runs;
     if (!(runs.set_up_share > least_set_up_share) || std::isnan(runs.queries)) continue;
-    const double ms = 1000.0 * runs.set_up_seconds;
-    (runs.queries > 1.0 ? shared : each)
-        .push_back(fmt::format("{} {} ms ({} units of work)", summary.strategies[s].name,
-                               ms < 9.5 ? two_figures(ms) : thousands(ms), thousands(runs.set_up)));
-    queries = std::max(queries, runs.queries);
+    // The strategy that ran first has computed it for all.
+    ms = std::max(ms, 1000.0 * runs.set_up_seconds);
+    if (largest != nullptr && runs.set_up <= largest->set_up) continue;
+    largest = &runs;
+    name = summary.strategies[s].name;
   }
-  std::string text;
-  if (!shared.empty()) {
-    text = fmt::format("set-up, once per world, beside ms: {}; shared by {:g} queries, by assumption", joined(shared),
-                       queries);
-  }
-  if (!each.empty()) {
-    text += fmt::format("{}set-up, in each run (queries = 1), in ms: {}", text.empty() ? "" : "; ", joined(each));
-  }
-  return text;
+  if (largest == nullptr) return {};
+  const std::string cost = fmt::format("{} {} ms ({} units of work)", name, ms < 10.0 ? fixed(ms, 1) : fixed(ms, 0),
+                                       thousands(largest->set_up));
+  if (largest->queries <= 1.0) return {"set-up, in each run (queries = 1), in ms: " + cost};
+  // On a line of its own, so that the time does not decide where the line ends.
+  return {"set-up, once per world, beside ms: " + cost,
+          fmt::format("  shared by {:g} queries, by assumption", largest->queries)};
 }
 
 /// "0.16 mm", "0.25 m".
@@ -863,7 +862,7 @@ Answer answer_of(const ExperimentFacts& experiment, const ExperimentSummary& sum
   for (std::string& text : unsolved_notes(source)) add("unsolved", std::move(text));
   for (std::string& text : warning_notes(summary)) add("warning", std::move(text));
   add("why", why_text(source));
-  add("set-up", set_up_note(source));
+  for (std::string& text : set_up_notes(source)) add("set-up", std::move(text));
   add("certified", certified_text(source));
   for (AnswerNote& note : search_notes(source)) answer.notes.push_back(std::move(note));
   for (AnswerNote& note : verdict_notes(source, answer)) answer.notes.push_back(std::move(note));

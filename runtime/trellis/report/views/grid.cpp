@@ -57,7 +57,7 @@ std::string Grid::part(const std::vector<std::size_t>& chosen, const std::vector
 
 std::string Grid::text(std::size_t width) const {
   std::vector<std::size_t> all = widths();
-  // The first column gives way until the widest other one has a place.
+  // The first column is shortened until the widest other one has a place.
   std::size_t needed = 0;
   for (std::size_t c = 1; c < all.size(); ++c) needed = std::max(needed, all[c] > 0 ? columns_[c].gap + all[c] : 0);
   if (all.front() + needed > width) {
