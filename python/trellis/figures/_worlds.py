@@ -114,7 +114,7 @@ def _parts(scene: Scene, view: View, rows: Array) -> List[Array]:
                 parts += [shape.points - shape.radius, shape.points + shape.radius]
         else:
             parts.append(view.project(placed.surfaces.vertices)[:, :2])
-    return parts
+    return parts or [np.stack([view.lo, view.hi])]
 
 
 def moments_of(scene: Scene, run: Run, path: Array) -> Array:
@@ -134,8 +134,10 @@ def _colours(scene: Scene) -> List[str]:
 
 def _poses(scene: Scene, path: Array, apart: float, most: int) -> Array:
     """Configurations of a path whose reference points are evenly apart along it, with both ends."""
-    points = np.concatenate([trace.points(path) for trace in scene.traces[:1]])
-    far = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    far = np.zeros(1)
+    if scene.traces:
+        points = scene.traces[0].points(path)
+        far = np.concatenate([far, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if not far[-1] > 0:
         far = scene.space.lengths(path)
     count = int(np.clip(round(far[-1] / apart) if apart > 0 else most, 1, most)) + 1
@@ -289,8 +291,10 @@ def world(document: Document, *, problem: Optional[str] = None, strategies: Opti
     results = read(document)
     scene = chosen_scene(results, problem)
     if strategies is None:
-        names = ([results.baseline] if results.baseline else []) + results.others[:1]
-        names = [name for name in names if results.runs(scene.name, name)]
+        first = best(results, scene.name)
+        names = list(dict.fromkeys([results.baseline or first, first]))
+        names += results.others[:1] if len(names) == 1 else []  # none of the others has a path
+        names = [name for name in dict.fromkeys(names) if results.runs(scene.name, name)]
     else:
         names = results.chosen(strategies)
     if not names:
