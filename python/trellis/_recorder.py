@@ -93,6 +93,21 @@ class Measurement:
         return _number(self.document["above_uniform"])
 
     @property
+    def hitting(self) -> float:
+        """How much sooner than uniform samples these hit the balls along the path in turn, nats, more is better."""
+        return _number(self.document["hitting"]["nats"])
+
+    @property
+    def bottleneck(self) -> float:
+        """The least log ratio of the share of the samples in such a ball to that of uniform samples, nats."""
+        return _number(self.document["bottleneck"]["nats"])
+
+    @property
+    def bottleneck_at(self) -> float:
+        """The place of the bottleneck: arc length along the path, metres."""
+        return _number(self.document["bottleneck"]["at"])
+
+    @property
     def n(self) -> int:
         """The number of samples."""
         return int(self.document["N"])

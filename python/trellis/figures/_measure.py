@@ -172,7 +172,8 @@ def _waterfall_axes(panels: Sequence[_Waterfall], left: float, texts: float, wid
 
 # Correlation ---------------------------------------------------------------------------------------------------------
 
-PREDICTORS = ("mass", "spread", "SE")
+PREDICTORS = ("hitting", "mass", "spread", "SE")
+PAIRS = ((0, 1), (0, 3), (1, 2), (1, 3), (2, 3))
 _LEAST_STRATEGIES, _LEAST_PROBLEMS = 3, 2
 
 
@@ -181,7 +182,7 @@ class Dot(NamedTuple):
 
     problem: str
     strategy: str
-    nats: Tuple[float, float, float]
+    nats: Tuple[float, float, float, float]  # by each predictor; NaN: no hitting
     ratio: float
 
 
@@ -190,10 +191,10 @@ class Correlation(NamedTuple):
 
     dots: List[Dot]
     rho: List[GroupCorrelation]  # of each predictor
-    differences: List[Interval]  # mass - spread, mass - SE, spread - SE
+    differences: List[Interval]  # of PAIRS
 
 
-def _nats(root: Mapping[str, Any], role: str, paths: str) -> Optional[Tuple[float, float, float]]:
+def _nats(root: Mapping[str, Any], role: str, paths: str) -> Optional[Tuple[float, float, float, float]]:
     measure = (root.get("measure") or {}).get(role) or {}
     figure = measure.get(paths)
     if not figure or not figure.get("runs"):
@@ -201,8 +202,17 @@ def _nats(root: Mapping[str, Any], role: str, paths: str) -> Optional[Tuple[floa
     mean = [number(entry["value"]) if entry else math.nan
             for entry in (figure["D_uniform"], figure["SE_parts"]["mass"], figure["SE_parts"]["spread"],
                           figure["above_uniform"])]
-    nats = (mean[0] - mean[1], -mean[2], mean[3])
-    return nats if all(math.isfinite(x) for x in nats) else None
+    nats = (_hitting(root, role, paths, figure), mean[0] - mean[1], -mean[2], mean[3])
+    return nats if all(math.isfinite(x) for x in nats[1:]) else None
+
+
+def _hitting(root: Mapping[str, Any], role: str, paths: str, figure: Mapping[str, Any]) -> float:
+    """Of all seeds together on the paths of other seeds, else the mean over the runs; NaN in older documents."""
+    pooled = (((root.get("measure") or {}).get("pooled") or {}).get(role) or {}).get("hitting") or {}
+    if paths == "cross" and pooled.get("nats") is not None:
+        return number(pooled["nats"])
+    entry = (figure.get("hitting") or {}).get("nats")
+    return number(entry["value"]) if entry else math.nan
 
 
 def correlate(results: Results, proposals: bool = False) -> Optional[Correlation]:
@@ -211,7 +221,7 @@ def correlate(results: Results, proposals: bool = False) -> Optional[Correlation
     role = "expansion" if proposals else "tree"
     groups: List[List[Dot]] = []
     for problem in results.problems:
-        found: Dict[str, Dict[str, Tuple[float, float, float]]] = {"cross": {}, "self": {}}
+        found: Dict[str, Dict[str, Tuple[float, float, float, float]]] = {"cross": {}, "self": {}}
         for name in results.others + ([results.baseline] if results.baseline else []):
             entry = results.summary(problem, name)
             if entry is None or not entry["levels"]:
@@ -232,7 +242,7 @@ def correlate(results: Results, proposals: bool = False) -> Optional[Correlation
         return None
     rho = [group_correlation([([dot.nats[k] for dot in dots], [dot.ratio for dot in dots]) for dots in groups])
            for k in range(len(PREDICTORS))]
-    differences = [correlation_difference(rho[a], rho[b]) for a, b in ((0, 1), (0, 2), (1, 2))]
+    differences = [correlation_difference(rho[a], rho[b]) for a, b in PAIRS]
     return Correlation([dot for dots in groups for dot in dots], rho, differences)
 
 
@@ -248,14 +258,14 @@ def rho_text(rho: Interval) -> str:
 
 def correlation(document: Document, *, proposals: bool = False, ax: Any = None) -> Any:
     """Which nats predict the checks? A dot for each strategy with guides on each problem: over the nats above uniform
-    of the root's samples, by mass, by spread and both, the validity checks divided by the baseline's on the same seed,
+    of the root's samples, by hitting, by mass, by spread and both, the validity checks divided by the baseline's on the same seed,
     the median. Titles have Spearman's rank correlation within problems, with a bootstrap's 95 % interval over them
     (from six problems on): at -1 more nats mean fewer checks on each problem. Arrows: the ratio is infinite, or 0.
 
     proposals: whether the nats are those of the root's proposals (default False: of its nodes).
-    ax:        three axes to draw in (default those of a new figure, 178 mm wide).
+    ax:        four axes to draw in (default those of a new figure, 178 mm wide).
 
-    Returns an array of three axes. Raises `Error` for another number of axes, and where fewer than two problems have
+    Returns an array of four axes. Raises `Error` for another number of axes, and where fewer than two problems have
     three scored strategies with guides.
     """
     results = read(document)
@@ -272,7 +282,7 @@ def correlation(document: Document, *, proposals: bool = False, ax: Any = None) 
         margins = Margins(left=14, right=3, bottom=8.4, wide=5,
                           top=_style.key_height(entries, PAGE - 17, False) + 6.5)
         if axes is None:
-            axes = _style.place("correlation", PAGE, 46 + margins.top + margins.bottom, 3, 3, margins)
+            axes = _style.place("correlation", PAGE, 46 + margins.top + margins.bottom, len(PREDICTORS), len(PREDICTORS), margins)
             _style.key(axes[0].figure, entries, 14, PAGE - 17, False)
         for k, one in enumerate(axes):
             for name in names:
@@ -287,7 +297,7 @@ def correlation(document: Document, *, proposals: bool = False, ax: Any = None) 
                         one.plot(dot.nats[k], hi if beyond else lo, "^" if beyond else "v", markersize=4,
                                  markeredgewidth=0, color=look.colour, zorder=3, clip_on=False)
             _ratio_y_axis(one, lo, hi, k == 0 or not own)
-            nats = [dot.nats[k] for dot in found.dots]
+            nats = [dot.nats[k] for dot in found.dots if not math.isnan(dot.nats[k])] or [0.0]
             pad = 0.07 * max(max(nats) - min(nats), 0.1)
             _style.linear_axis(one, min(nats) - pad, max(nats) + pad)
             one.set_title(f"{PREDICTORS[k]}: ρ = {rho_text(found.rho[k].rho)}")

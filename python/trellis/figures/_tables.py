@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, 
 from . import _style
 from ._costs import title, verdict_text, verdicts
 from ._document import Document, Error, Interval, Results, number, read
-from ._measure import PREDICTORS, correlate
+from ._measure import PAIRS, PREDICTORS, correlate
 from ._statistics import PairedCosts, holm, median, paired_costs, references
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _correlation(results: Results) -> List[Dict[str, Any]]:
     found = {"nodes": correlate(results), "proposals": correlate(results, proposals=True)}
     if found["nodes"] is None:
         return []
-    names = list(PREDICTORS) + ["mass - spread", "mass - SE", "spread - SE"]
+    names = list(PREDICTORS) + [f"{PREDICTORS[a]} - {PREDICTORS[b]}" for a, b in PAIRS]
     rows = []
     for k, name in enumerate(names):
         row: Dict[str, Any] = {"nats": name}
