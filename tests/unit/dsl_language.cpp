@@ -123,9 +123,15 @@ TEST_CASE("an experiment holds what was given, in a known order") {
   REQUIRE(e.problems.size() == 2);
   CHECK(e.problems[1].name == "trap");
   REQUIRE(e.strategies.size() == 3);
-  CHECK(e.strategies[0].first == "a");
-  CHECK(e.strategies[1].first == "nested");
-  CHECK(e.strategies[2].first == "plain");
+  // As the script makes them.
+  CHECK(e.strategies[0].first == "plain");
+  CHECK(e.strategies[1].first == "a");
+  CHECK(e.strategies[2].first == "nested");
+  const auto shared = load(
+      "local p = rrt {} local q = prm {} "
+      "return experiment { problems = scenes.cup(), strategies = { d = q, c = p, b = rrt {}, a = q } }");
+  const std::vector<std::string> order = {"c", "a", "d", "b"};
+  for (std::size_t i = 0; i < order.size(); ++i) CHECK(shared.experiment.strategies[i].first == order[i]);
   REQUIRE(e.measure);
   CHECK(std::get<TubeSettings>(e.measure->target).delta == 0.25);
   CHECK(std::get<TubeSettings>(e.measure->target).distance == TubeSettings::Distance::full);

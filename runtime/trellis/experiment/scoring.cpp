@@ -200,11 +200,20 @@ class ProblemScoring {
     return !run.levels.empty() && run.run.solved && !run.run.path.empty();
   }
 
+  /// Returns the strategies by their names: which paths score the runs does not depend on the order of the experiment.
+  [[nodiscard]] std::vector<std::size_t> by_name() const {
+    std::vector<std::size_t> order(strategies_);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return runs_[a * seeds_]->strategy < runs_[b * seeds_]->strategy; });
+    return order;
+  }
+
   /// For each seed, chooses the runs whose paths score all strategies: those of the next seeds, with the strategies in
   /// turn.
   void choose_donors() {
     std::vector<std::size_t> givers;
-    for (std::size_t s = 0; s < strategies_; ++s) {
+    for (const std::size_t s : by_name()) {
       if (gives_paths(s)) givers.push_back(s);
     }
     const auto wanted = static_cast<std::size_t>(measure_.cross);
@@ -260,11 +269,15 @@ class ProblemScoring {
   void make_few_targets(const std::vector<char>& gives) {
     const PollScope polled(polled_);
     std::vector<std::size_t> chosen;
-    for (std::size_t i = 0; i < runs_.size() && chosen.size() < static_cast<std::size_t>(measure_.cross); ++i) {
-      const auto same_seed = [&](std::size_t other) { return other % seeds_ == i % seeds_; };
-      if (gives[i] == 0 || std::any_of(chosen.begin(), chosen.end(), same_seed)) continue;
-      root_targets_[i] = own_target(*runs_[i], runs_[i]->levels.front());
-      if (root_targets_[i]->target) chosen.push_back(i);
+    for (const std::size_t strategy : by_name()) {
+      for (std::size_t seed = 0; seed < seeds_; ++seed) {
+        if (chosen.size() == static_cast<std::size_t>(measure_.cross)) break;
+        const std::size_t i = strategy * seeds_ + seed;
+        const auto same_seed = [&](std::size_t other) { return other % seeds_ == seed; };
+        if (gives[i] == 0 || std::any_of(chosen.begin(), chosen.end(), same_seed)) continue;
+        root_targets_[i] = own_target(*runs_[i], runs_[i]->levels.front());
+        if (root_targets_[i]->target) chosen.push_back(i);
+      }
     }
     for (std::size_t seed = 0; seed < seeds_; ++seed) {
       donors_[seed].clear();
@@ -665,11 +678,14 @@ class ProblemScoring {
   [[nodiscard]] std::vector<std::size_t> pool_donors() const {
     std::vector<std::size_t> donors;
     std::vector<char> taken(seeds_, 0);
-    for (std::size_t i = 0; i < runs_.size() && donors.size() < static_cast<std::size_t>(measure_.cross); ++i) {
-      const std::size_t seed = i % seeds_;
-      if (!root_targets_[i] || !root_targets_[i]->target || taken[seed] != 0) continue;
-      taken[seed] = 1;
-      donors.push_back(i);
+    for (const std::size_t strategy : by_name()) {
+      for (std::size_t seed = 0; seed < seeds_; ++seed) {
+        if (donors.size() == static_cast<std::size_t>(measure_.cross)) break;
+        const std::size_t i = strategy * seeds_ + seed;
+        if (!root_targets_[i] || !root_targets_[i]->target || taken[seed] != 0) continue;
+        taken[seed] = 1;
+        donors.push_back(i);
+      }
     }
     return donors;
   }

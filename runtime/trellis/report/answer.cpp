@@ -188,13 +188,16 @@ double rank_of(const std::optional<MedianRatio>& ratio) {
   return std::log(std::clamp(value, 1.0 / extreme, extreme));
 }
 
+/// By which strategies are sorted: the rank of their ratios, then of equal ones their checks.
+using Rank = std::pair<double, double>;
+
 /// Returns the strategies, the baseline first, then by rank.
 /// \param rank  of a strategy of the summary
-std::vector<std::size_t> in_order(const Source& source, const std::function<double(std::size_t)>& rank) {
-  std::vector<std::pair<double, std::size_t>> ranked;
+std::vector<std::size_t> in_order(const Source& source, const std::function<Rank(std::size_t)>& rank) {
+  std::vector<std::pair<Rank, std::size_t>> ranked;
   for (const std::size_t s : source.strategies()) {
     const bool first = source.summary().strategies[s].name == source.baseline();
-    ranked.emplace_back(first ? -std::numeric_limits<double>::infinity() : rank(s), s);
+    ranked.emplace_back(first ? Rank{-std::numeric_limits<double>::infinity(), 0.0} : rank(s), s);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::size_t> order;
@@ -229,7 +232,10 @@ AnswerTable table_of(const Source& source, const ProblemSummary& problem) {
   AnswerTable table{problem.problem, title_of(source, problem.problem), {}};
   std::map<std::size_t, AnswerRow> rows;
   for (const std::size_t s : source.strategies()) rows[s] = source.strategy_row(problem, s);
-  for (const std::size_t s : in_order(source, [&](std::size_t one) { return rank_of(rows[one].ratio); })) {
+  for (const std::size_t s : in_order(source, [&](std::size_t one) {
+         const double checks = rows[one].checks.lo;
+         return Rank{rank_of(rows[one].ratio), std::isnan(checks) ? std::numeric_limits<double>::infinity() : checks};
+       })) {
     table.rows.push_back(std::move(rows[s]));
     const StrategyFacts& facts = source.summary().strategies[s];
     for (const GuideFacts* guide : source.guides(facts)) table.rows.push_back(source.guide_row(problem, s, *guide));
@@ -299,7 +305,7 @@ AnswerMatrix matrix_of(const Source& source, const std::vector<AnswerTable>& tab
     }
     return sum;
   };
-  const std::vector<std::size_t> order = in_order(source, rank);
+  const std::vector<std::size_t> order = in_order(source, [&](std::size_t s) { return Rank{rank(s), 0.0}; });
   matrix.reference = source.baseline();
   if (matrix.reference.empty() && !order.empty()) {
     matrix.reference = source.summary().strategies[order.front()].name;

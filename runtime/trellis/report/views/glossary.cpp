@@ -32,11 +32,9 @@ const std::vector<ReportTerm>& report_terms() {
       {"nats", "the unit of divergences: natural logarithms"},
       {"hitting",
        "how much sooner than uniform samples these hit the balls along a path in turn, nats: the log ratio of the "
-       "expected numbers of samples. 0 is uniform sampling, more is better. It ranks guides as their costs do, which "
-       "SE "
-       "does not. By position, and in the full metric, where a wrong heading does not score. All strategies are "
-       "compared "
-       "by as many samples, on paths that other seeds found"},
+       "expected numbers of samples. 0 is uniform sampling, more is better. Guides with more of it mostly need fewer "
+       "checks; with less SE they do not. By position, and in the full metric, where a wrong heading does not score. "
+       "All strategies are compared by as many samples, on paths that other seeds found"},
       {"bottleneck",
        "the place on that path where samples are rarest beside uniform ones, and log of the ratio there with its 95 % "
        "interval. Not shown: the samples show neither that they are rarer somewhere nor that they are more frequent "

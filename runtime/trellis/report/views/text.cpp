@@ -779,7 +779,8 @@ std::string legend(const ExperimentSummary& experiment, std::size_t width) {
   out += wrap(
       fmt::format(
           "Hitting: how much sooner than uniform samples these hit the balls along a path in turn, nats, 0 is uniform "
-          "sampling, more is better; it ranks guides as their costs do. Bottleneck: where on that path they are "
+          "sampling, more is better; guides with more of it mostly need fewer checks. Bottleneck: where on that path "
+          "they are "
           "rarest. "
           "Above uniform: nats by which samples are nearer to the target than uniform ones, more is better; it is "
           "uniform - SE. SE: sampling efficiency, the divergence of the target from the samples with {:g} % uniform "
