@@ -127,7 +127,8 @@ return experiment {
   const std::string run = content(place / "run.html");
   const std::string plotted = content(place / "plot.html");
   for (const auto& [begin, end] :
-       {std::pair{"<header>", "</header>"}, std::pair{"id=\"results-heading\"", "</section>"},
+       {std::pair{"<header>", "</header>"}, std::pair{"<section id=\"answer\"", "</section>"},
+        std::pair{"<details id=\"fold-summary\"", "</details>"},
         std::pair{"<template", "<script type=\"application/json\" id=\"data\""}}) {
     const auto part = [&, from = begin, to = end](const std::string& page) {
       const auto at = page.find(from);
@@ -148,7 +149,7 @@ return experiment {
 
   // Documents of the format before have costs, and a note says what is left out.
   std::string older = content(place / "it.json");
-  const std::string format = "\"format\":3";
+  const std::string format = "\"format\":4";
   REQUIRE(older.find(format) != std::string::npos);
   older.replace(older.find(format), format.size(), "\"format\":2");
   std::ofstream(place / "old.json") << older;

@@ -126,7 +126,7 @@ class Scripts(Folder):
         both = {"plain": "rrt { step = 0.5 }", "guided": guided}
         result = trellis.run(both, trellis.problem("scenes.trap()"), seeds=2, baseline="plain")
         self.assertEqual(len(result.document["runs"]), 4)
-        self.assertIn("× plain", str(result))
+        self.assertIn("÷ plain's", str(result))
         level = result.document["runs"][0]["levels"][0]
         self.assertTrue(math.isfinite(level["measure"]["tree"]["self"]["SE"]))
 

@@ -114,9 +114,9 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples][slo
         CHECK(run["levels"][3]["measure"]["expansion"]["self"]["SE"].is_null());
       }
     }
-    THEN("the report names every level and both strategies") {
-      for (const auto* word : {"root", "lazy()", "shrink(0.5)", "skeleton()", "rrt", "nested", "baseline", "verdict",
-                               "uniform sampling"}) {
+    THEN("the report names every guide and both strategies, and says what pays and why") {
+      for (const auto* word : {"without lazy()", "without shrink(0.5)", "without skeleton()", "rrt", "nested", "pays",
+                               "keep it", "verdicts", "as of uniform samples"}) {
         CHECK(result.outcome.out.find(word) != std::string::npos);
       }
     }

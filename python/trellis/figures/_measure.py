@@ -280,7 +280,7 @@ def correlation(document: Document, *, proposals: bool = False, ax: Any = None) 
         axes = _style.given(ax, len(PREDICTORS), "correlation")
         own = axes is None
         margins = Margins(left=14, right=3, bottom=8.4, wide=5,
-                          top=_style.key_height(entries, PAGE - 17, False) + 6.5)
+                          top=_style.key_height(entries, PAGE - 17, False) + 9.7)
         if axes is None:
             axes = _style.place("correlation", PAGE, 46 + margins.top + margins.bottom, len(PREDICTORS), len(PREDICTORS), margins)
             _style.key(axes[0].figure, entries, 14, PAGE - 17, False)
@@ -300,7 +300,7 @@ def correlation(document: Document, *, proposals: bool = False, ax: Any = None) 
             nats = [dot.nats[k] for dot in found.dots if not math.isnan(dot.nats[k])] or [0.0]
             pad = 0.07 * max(max(nats) - min(nats), 0.1)
             _style.linear_axis(one, min(nats) - pad, max(nats) + pad)
-            one.set_title(f"{PREDICTORS[k]}: ρ = {rho_text(found.rho[k].rho)}")
+            one.set_title(f"{PREDICTORS[k]}\nρ = {rho_text(found.rho[k].rho)}")
         axes[0].set_ylabel(f"checks ÷ those of {_style.cut(results.baseline, 20)}", fontsize=_style.SIZE, color=INK)
         role = "proposals" if proposals else "nodes"
         _style.below(axes, f"nats above uniform of the root's {role}", own, margins)

@@ -77,8 +77,9 @@ bool mostly_unsolved(const RunsSummary& summary);
 std::vector<Verdict> verdicts_on(const StrategySummary& strategy, std::size_t level, const PartSummary& part);
 
 /// Returns a sentence, with its evidence, for each strategy whose guide performs worse than no guide: it solves fewer
-/// runs or costs more validity checks than an unguided baseline, or its root's nodes are less efficient than uniform
-/// samples, beyond the interval in each case. Omits strategies with too few runs for an interval.
-std::vector<std::string> guide_warnings(const std::vector<StrategyFacts>& strategies, const ProblemSummary& problem);
+/// runs than an unguided baseline, beyond the interval, or its verdict is that it costs more validity checks, or its
+/// root's nodes are less efficient than uniform samples, beyond the interval. Omits strategies with too few runs for an
+/// interval.
+std::vector<std::string> guide_warnings(const ExperimentFacts& experiment, const ProblemSummary& problem);
 
 }  // namespace trellis
