@@ -474,9 +474,8 @@ std::size_t best_strategy(const HtmlContent& content) {
     for (const auto& row : table->rows) order.push_back(row.strategy);
   }
   for (const std::string& name : order) {
-    if (name != answer.baseline && strategy_place(content, name) < content.summary.strategies.size()) {
-      return strategy_place(content, name);
-    }
+    const std::size_t place = strategy_place(content, name);
+    if (place < content.summary.strategies.size() && content.summary.strategies[place].guided) return place;
   }
   return 0;
 }

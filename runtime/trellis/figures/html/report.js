@@ -800,6 +800,7 @@ function drawNewest() {
 
 /// The outline of the obstacles' union: none between obstacles that touch. Drawn again over what lies on the obstacles.
 function drawOutline(problem) {
+  if (!canvas.width || !canvas.height) return;
   const own = document.createElement('canvas'), main = pen;
   [own.width, own.height] = [canvas.width, canvas.height];
   pen = own.getContext('2d');
