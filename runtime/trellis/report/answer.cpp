@@ -24,7 +24,7 @@ constexpr std::size_t longest_guide = 24;
 /// "0.11", "≥4.0", "≤0.25", "0.3–0.5"; "–" where nothing is known.
 std::string bracket_text(const RatioBracket& ratio) {
   if (std::isnan(ratio.lo) || (ratio.lo == 0.0 && std::isinf(ratio.hi))) return "–";
-  const std::string lo = two_figures(ratio.lo);
+  std::string lo = two_figures(ratio.lo);
   const std::string hi = two_figures(ratio.hi);
   if (lo == hi) return lo;
   if (std::isinf(ratio.hi)) return "≥" + lo;
@@ -115,8 +115,9 @@ class Source {
     for (const GuideFacts& guide : facts.guides) {
       if (guide.equal != baseline()) continue;
       Verdict other = guide_verdict(problem.strategies[s], guide.key);
+      const bool never = other.kind == Verdict::Kind::never_set_up;
       if (other.counts.pairs > verdict.counts.pairs) verdict = std::move(other);
-      if (other.kind == Verdict::Kind::never_set_up) verdict.kind = other.kind;
+      if (never) verdict.kind = Verdict::Kind::never_set_up;
     }
     return verdict;
   }
@@ -201,6 +202,7 @@ std::vector<std::size_t> in_order(const Source& source, const std::function<Rank
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::size_t> order;
+  order.reserve(ranked.size());
   for (const auto& one : ranked) order.push_back(one.second);
   return order;
 }
@@ -282,6 +284,7 @@ AnswerMatrix matrix_of(const Source& source, const std::vector<AnswerTable>& tab
   for (const AnswerTable& table : tables) matrix.problems.push_back(table.problem);
   const auto rows_of = [&](const std::string& strategy, const std::string& guide) {
     std::vector<const AnswerRow*> rows;
+    rows.reserve(tables.size());
     for (const AnswerTable& table : tables) rows.push_back(find_row(table, strategy, guide));
     return rows;
   };
@@ -425,6 +428,7 @@ std::string why_text(const Source& source) {
                        two_figures(found.front().second), found.front().first, near);
   }
   std::vector<std::string> parts;
+  parts.reserve(found.size());
   for (const auto& [name, factor] : found) parts.push_back(fmt::format("{} {}", name, two_figures(factor)));
   return parts.empty() ? "" : fmt::format("why: nodes {}, ÷ as many uniform samples: {}", near, joined(parts));
 }
@@ -474,7 +478,7 @@ std::string certified_text(const Source& source) {
     }
   }
   if (paths == 0) return "";
-  const std::string text =
+  std::string text =
       fmt::format("{} path{} certified free of contact", thousands(static_cast<double>(paths)), paths == 1 ? "" : "s");
   if (where.empty()) return text;
   return text + (paths == 1 ? fmt::format(", by {} ({})", clearance_text(least), where)
