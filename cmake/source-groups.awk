@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Puts sources into groups that compile as one source: for unity builds (cmake/unity.cmake) and for scripts/lint. Reads
-# lines "KIND<tab>SOURCE" and prints "SOURCE<tab>GROUP"; the sources of a group are of one kind. Variables: `folders`,
-# where headers are searched, separated by colons; `most`, the lines of a group; `alone`, a pattern of includes whose
+# lines "KIND<tab>SOURCE" and prints "SOURCE<tab>GROUP"; the sources of a group are of one kind, and no other group has
+# its name. Variables: `folders`, where headers are searched, separated by colons; `most`, the lines of a group; `alone`, a pattern of includes whose
 # sources are in no group; `loose`, where a group that does not compile does no harm. With `show` set to "includes" it
 # prints "SOURCE<tab>FILE" instead, for the source itself and for every file of ours that it includes.
 #
@@ -128,11 +128,11 @@ function shadows(a, b,    name, names, part, parts, i, k) {
 }
 
 # A name for a group by its first source, so that new sources elsewhere do not change what ccache compares.
-function group_name(file, kind,    part, parts, name) {
+function group_name(file,    part, parts, name) {
   parts = split(substr(file, 1, length(file) - 4), part, "/")
   name = part[parts - 1] "_" part[parts]
-  while ((kind, name) in taken) name = name "_"
-  taken[kind, name] = 1
+  while (name in taken) name = name "_"
+  taken[name] = 1
   return name
 }
 
@@ -170,7 +170,7 @@ END {
     }
     if (group > groups) {
       of[groups = group] = kind[at]
-      name_of[group] = group_name(source[at], kind[at])
+      name_of[group] = group_name(source[at])
     }
     size[group] += lines_of[source[at]]
     members_of[group] = members_of[group] FS at

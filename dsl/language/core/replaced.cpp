@@ -52,7 +52,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 26> replaced
 
 std::string suggestion(const std::string& name, const std::vector<std::string>& known, const std::string& module) {
   const std::string word = module.empty() ? name : module + '.' + name;
-  const auto it =
+  const auto* const it =
       std::find_if(replaced.begin(), replaced.end(), [&](const auto& entry) { return entry.first == word; });
   return it != replaced.end() ? ": " + std::string(it->second) : did_you_mean(name, known);
 }

@@ -116,7 +116,7 @@ class ProblemScoring {
                                       [&](const Problem& p) { return p.name == runs_.front()->problem; });
     scored_->problem = &*problem;
     balls_.resize(runs_.size());
-    balls_made_ = std::make_unique<std::once_flag[]>(runs_.size());
+    balls_made_ = std::vector<std::once_flag>(runs_.size());
   }
 
   /// \param pooled  receives the pooled scores, appended
@@ -798,6 +798,7 @@ class ProblemScoring {
       if (own) ((*level.root).*role).hitting = balls(index).hitting(rows, goal);
       if (!cross) continue;
       std::vector<Hitting> found;
+      found.reserve(donors.size());
       for (const std::size_t donor : donors) found.push_back(balls(donor).hitting(rows, goal, false));
       ((*level.root_cross).*role).hitting = mean(found);
     }
@@ -1011,7 +1012,7 @@ class ProblemScoring {
   std::size_t equal_nodes_ = 0;                          // 0: not computed
   std::size_t equal_proposals_ = 0;
   std::vector<std::unique_ptr<const PathBalls>> balls_;  // of each run; made where they score
-  std::unique_ptr<std::once_flag[]> balls_made_;
+  std::vector<std::once_flag> balls_made_;
   bool users_;            // the target is a script's
   bool headline_only_;    // no other estimator is requested
   bool rough_intervals_;  // of single runs: reports print the pooled ones first
