@@ -109,7 +109,7 @@ BallHits Balls::hits(std::span<const std::size_t> counts, std::size_t samples, b
   std::vector<double> uniform;  // log(1/u)
   std::vector<double> these;    // log(1/q)
   for (std::size_t i = 0; i < size(); ++i) {
-    const double c = static_cast<double>(counts[i]);
+    const auto c = static_cast<double>(counts[i]);
     const double above = std::log1p(c) - std::log1p(n * std::exp(log_shares_[i]));  // log(q/u)
     uniform.push_back(-log_shares_[i]);
     these.push_back(-log_shares_[i] - above);
