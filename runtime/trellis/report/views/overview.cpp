@@ -58,7 +58,11 @@ Grid grid_of(const AnswerTable& table, std::size_t bar_width, std::size_t label)
   for (const AnswerRow& row : table.rows) {
     const std::string interval = row.interval_text();
     std::string cell = row.ratio_text();
-    if (!interval.empty()) cell = pad(cell, std::max<std::size_t>(ratio, 4), false) + ' ' + interval;
+    if (!interval.empty()) {
+      cell = pad(cell, std::max<std::size_t>(ratio, 4), false);
+      cell += ' ';
+      cell += interval;
+    }
     grid.add({shortened(std::string(2 * row.indent, ' ') + row.label, label), row.solved_text(), row.checks_text(),
               bar_width > 0 && table.rows.size() > 1 ? bar_of(row, most, bar_width) : "", std::move(cell),
               row.verdict.word, row.ms_text(), row.length_text()});
