@@ -414,7 +414,8 @@ std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Argument
   std::vector<std::pair<std::uint64_t, std::string>> names;  // in the order in which the script makes the strategies
   for (const auto& name : keys.names) names.emplace_back(table.field(name).object_number(), name);
   std::sort(names.begin(), names.end());
-  for (const auto& [number, name] : names) {
+  for (const auto& entry : names) {
+    const std::string& name = entry.second;
     faults.attempt([&] {
       strategies.emplace_back(
           name, read_strategy(fmt::format("{}: strategy '{}'", of, name), table.field(name), table.identity()));
