@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Puts sources into groups that compile as one source: for unity builds (cmake/unity.cmake) and for scripts/lint. Reads
 # lines "KIND<tab>SOURCE" and prints "SOURCE<tab>GROUP"; the sources of a group are of one kind, and no other group has
-# its name. Variables: `folders`, where headers are searched, separated by colons; `most`, the lines of a group; `alone`, a pattern of includes whose
-# sources are in no group; `loose`, where a group that does not compile does no harm. With `show` set to "includes" it
-# prints "SOURCE<tab>FILE" instead, for the source itself and for every file of ours that it includes.
+# its name. Variables: `folders`, where headers are searched, separated by colons; `most`, the lines of a group; `alone`,
+# a pattern of includes whose sources are in no group; `loose`, where a group that does not compile does no harm. With
+# `show` set to "includes" it prints "SOURCE<tab>FILE" instead, for the source itself and for every file of ours that
+# it includes.
 #
 # A name of a source's unnamed namespace is visible in the rest of its group. So no other source of the group has that
 # word (of a function: calls or declares it; `loose`: declares that name), unless it declares the same alias, and no

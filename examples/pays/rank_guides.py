@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT-0
-"""examples/pays/rank_guides.py FILE...: which figure ranks guides as their costs do? Reads documents of `trellis run --json`, as of
-examples/correlation.lua, and prints for each figure of the root its rank correlation, over the guides of each world, with
+"""Which figure ranks guides as their costs do?
+
+    python3 examples/pays/rank_guides.py FILE...
+
+Reads documents of `trellis run --json`, as of examples/correlation.lua, and prints for each figure of the root its rank correlation, over the guides of each world, with
 the validity checks and with the proposals, both divided by those of the baseline: the mean over the worlds, its 95 %
 bootstrap interval, the worst world, and how many worlds are above -0.45. docs/measure.md has the results."""
 

@@ -42,7 +42,7 @@ const Result& run(const std::string& name) {
   Result& result = done[name];
   std::vector<std::string> command = {"run", example(name), "--json", "all.json", "--jobs", "2"};
   // They take minutes with the seeds of their figures.
-  for (const auto* longer : {"bounded_loss.lua", "correlation.lua", "second_guide.lua"}) {
+  for (const auto* longer : {"bounded_loss.lua", "correlation.lua", "correlation_arms.lua", "second_guide.lua"}) {
     if (name == longer) command.insert(command.end(), {"--seeds", "3"});
   }
   result.outcome = place.run(command);

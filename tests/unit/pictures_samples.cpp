@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -95,6 +96,13 @@ TEST_CASE("stored samples are those in memory, for every run", "[pictures]") {
   const Json robots = Json::parse(scenery_of(experiment).robots);
   for (std::size_t i = 0; i < robots.size(); ++i) CHECK(Json::parse(stored.robots())[i] == robots[i]);
 
+  // A damaged file is named.
+  for (const char* text : {"", "{\"levels\": []}", "[1, 2]", "{\"levels\": [], \"turns\": [], \"path\": null"}) {
+    const auto file =
+        folder.path() / Json::parse(std::ifstream(folder.path() / "index.json"))["runs"][0]["file"].get<std::string>();
+    std::ofstream(file) << text;
+    CHECK_THROWS_WITH(stored.run(0), Catch::Matchers::Contains("run.json: these are no samples"));
+  }
   std::filesystem::remove(folder.path() / "index.json");
   CHECK_THROWS_AS(StoredSamples(folder.path().string(), facts), Error);
 }
@@ -117,6 +125,18 @@ TEST_CASE("a thinned run has a share of its samples, and refuses damaged ones", 
   damaged["levels"][0]["nodes"] = "";
   CHECK_THROWS_AS(thinned_run(damaged, 0.5), Error);
   damaged = whole;
-  damaged["levels"][0]["near"] = "//8=";
+  for (const char* part : {"near", "added", "parents", "edges", "source"}) {
+    // The largest number, one that does not end, and none.
+    for (const char* text : {"/////////////wE=", "//8=", "no"}) {
+      CAPTURE(part, text);
+      damaged = whole;
+      damaged["levels"][0][part] = text;
+      CHECK_THROWS_AS(thinned_run(damaged, 0.5), Error);
+    }
+    damaged["levels"][0].erase(part);
+    CHECK_THROWS_AS(thinned_run(damaged, 0.5), Error);
+  }
+  damaged = whole;
+  damaged["turns"][0][0] = 99;
   CHECK_THROWS_AS(thinned_run(damaged, 0.5), Error);
 }

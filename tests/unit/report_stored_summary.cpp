@@ -118,6 +118,8 @@ TEST_CASE("a document of another format has no reports", "[report][json]") {
   const auto at = document.find(format);
   REQUIRE(at != std::string::npos);
   CHECK_NOTHROW(require_format(read_results(document, "new.json"), "new.json"));
+  document.replace(at, format.size(), ",\"format\":3");
+  CHECK_NOTHROW(require_format(read_results(document, "before.json"), "before.json"));
   document.erase(at, format.size());
   const ExperimentFacts old = read_results(document, "old.json");
   CHECK(old.runs.size() == result.runs.size());

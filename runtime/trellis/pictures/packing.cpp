@@ -30,7 +30,10 @@ class NumberReader {
     }
     throw Error("packed samples have a number of more than 64 bits");
   }
+  std::int64_t next_signed() { return undone(next()); }
+  /// Returns the difference of two rows, which have 32 bits.
   static std::int64_t undone(std::uint64_t zigzag) {
+    if (zigzag > (std::uint64_t{1} << 33U)) throw Error("packed samples name a node that is not there");
     const auto half = static_cast<std::int64_t>(zigzag / 2);
     return zigzag % 2 == 0 ? half : -half - 1;
   }
@@ -63,13 +66,14 @@ LevelRows rows_of(const Json& level) {
   if (!level.at("parents").is_null()) {
     NumberReader parents(level.at("parents"));
     for (std::size_t i = 0; i < nodes; ++i) {
-      rows.parents.push_back(row_of(static_cast<std::int64_t>(i) - NumberReader::undone(parents.next()), nodes));
+      rows.parents.push_back(row_of(static_cast<std::int64_t>(i) - parents.next_signed(), nodes));
     }
   }
   std::int64_t last = 0;
   for (NumberReader edges(level.at("edges")); edges.more();) {
-    last += NumberReader::undone(edges.next());
-    rows.edges.emplace_back(row_of(last, nodes), row_of(last + NumberReader::undone(edges.next()), nodes));
+    last = row_of(last + edges.next_signed(), nodes);
+    const std::int64_t to = last + edges.next_signed();
+    rows.edges.emplace_back(static_cast<std::uint32_t>(last), row_of(to, nodes));
   }
   NumberReader sources(level.at("source"));
   NumberReader near(level.at("near"));
@@ -84,8 +88,8 @@ LevelRows rows_of(const Json& level) {
       rows.added.push_back(no_row);
       continue;
     }
-    last += NumberReader::undone(to - 1);
-    rows.added.push_back(row_of(last, nodes));
+    last = row_of(last + NumberReader::undone(to - 1), nodes);
+    rows.added.push_back(static_cast<std::uint32_t>(last));
   }
   return rows;
 }
@@ -218,7 +222,7 @@ void add_rows(const LevelRows& rows, Json& level) {
   level["added"] = added.text();
 }
 
-Json thinned_run(const Json& run, double share) {
+Json thinned_run(const Json& run, double share) try {
   Json out = run;
   std::vector<HeldRows> held;
   for (Json& level : out.at("levels")) {
@@ -227,11 +231,15 @@ Json thinned_run(const Json& run, double share) {
     add_rows(thinned(rows, held.back()), level);
   }
   for (Json& turn : out.at("turns")) {
-    const HeldRows& rows = held.at(turn.at(0).get<std::size_t>());
+    const auto level = turn.at(0).get<std::size_t>();
+    if (level >= held.size()) throw Error("packed samples have a turn of a level that is not there");
+    const HeldRows& rows = held[level];
     turn.at(1) = rows_before(rows.proposals, turn.at(1).get<std::uint32_t>());
     turn.at(2) = rows_before(rows.nodes, turn.at(2).get<std::uint32_t>());
   }
   return out;
+} catch (const Json::exception&) {
+  throw Error("packed samples lack a part");
 }
 
 }  // namespace trellis

@@ -50,7 +50,7 @@ void add_rows(const LevelRows& rows, nlohmann::ordered_json& level);
 /// because a node's parent becomes its nearest included ancestor.
 /// \param run    as packed_run() returns it
 /// \param share  in (0, 1]
-/// \throws Error, or an exception of the JSON library, for another object
+/// \throws Error for another object
 nlohmann::ordered_json thinned_run(const nlohmann::ordered_json& run, double share);
 
 }  // namespace trellis

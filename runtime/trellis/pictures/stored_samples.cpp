@@ -51,8 +51,17 @@ StoredSamples::StoredSamples(std::string folder, const ExperimentFacts& facts)
 }
 
 std::string StoredSamples::run(std::size_t run) {
+  using Json = nlohmann::ordered_json;
   if (files_.at(run).empty()) return "";
-  return read_whole((std::filesystem::path(folder_) / files_[run]).string());
+  const std::string path = (std::filesystem::path(folder_) / files_[run]).string();
+  std::string text = read_whole(path);
+  // The page has the text as it is.
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("path") || !json.value("levels", Json()).is_array() ||
+      !json.value("turns", Json()).is_array()) {
+    throw Error(fmt::format("{}: these are no samples that `trellis run --samples` writes", path));
+  }
+  return text;
 }
 
 }  // namespace trellis

@@ -17,7 +17,7 @@ class StoredSamples : public RunSamples {
   /// \throws Error where the index cannot be read
   StoredSamples(std::string folder, const ExperimentFacts& facts);
 
-  /// \throws Error where the run's file cannot be read
+  /// \throws Error that names the file, where it cannot be read or is no packed run
   std::string run(std::size_t run) override;
   std::string robots() override { return robots_; }
 
