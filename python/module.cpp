@@ -43,7 +43,9 @@
 #include <trellis/instance/end_fault.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/instance/resolve_goal.hpp>
+#include <trellis/pictures/packed_run.hpp>
 #include <trellis/pictures/scenery.hpp>
+#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
@@ -352,7 +354,7 @@ Experiment experiment_of(const Request& request) {
 /// Returns the JSON document, the printed report, and the warnings.
 std::tuple<std::string, std::string, std::vector<std::string>> run(
     const Request& request, const std::optional<std::string>& baseline, bool measured, unsigned jobs, unsigned threads,
-    std::optional<double> ablation, std::optional<std::int64_t> cross,
+    std::optional<double> ablation, std::optional<std::int64_t> cross, const std::optional<std::string>& samples,
     const std::optional<std::function<void(std::size_t, std::size_t)>>& progress) {
   constexpr int width = 100;
   Experiment experiment = experiment_of(request);
@@ -363,6 +365,8 @@ std::tuple<std::string, std::string, std::vector<std::string>> run(
     if (!experiment.measure) throw Error("cross: the experiment measures nothing");
     experiment.measure->cross = *cross;
   }
+  // Before the runs: a folder that cannot be made is no reason to lose them.
+  if (samples) trellis::make_directory(*samples);
   std::tuple<std::string, std::string, std::vector<std::string>> answer;
   std::atomic<std::size_t> done = 0, all = 0;
   std::size_t shown = 0;
@@ -386,6 +390,10 @@ std::tuple<std::string, std::string, std::vector<std::string>> run(
         trellis::ExperimentFacts facts =
             trellis::facts_of(experiment, result, request.script ? request.script->path : "");
         facts.scenery = trellis::scenery_of(experiment);
+        if (samples) {
+          trellis::write_packed_samples(experiment, result, *samples);
+          facts.samples = std::filesystem::absolute(*samples).generic_string();
+        }
         const trellis::ExperimentSummary summary = trellis::summarise(facts);
         document = trellis::report_json(facts, summary);
         text = trellis::report_text(summary, width, trellis::ReportKind::overview);
@@ -551,14 +559,14 @@ PYBIND11_MODULE(_trellis, m) {
       [](std::shared_ptr<Script> script, std::vector<std::pair<std::string, StrategySpec>> strategies,
          std::vector<std::shared_ptr<CheckedProblem>> problems_, std::vector<std::uint64_t> seeds,
          const std::optional<std::string>& baseline, bool measured, unsigned jobs, unsigned threads,
-         std::optional<double> ablation, std::optional<std::int64_t> cross,
+         std::optional<double> ablation, std::optional<std::int64_t> cross, const std::optional<std::string>& samples,
          const std::optional<std::function<void(std::size_t, std::size_t)>>& progress) {
         const Request request{std::move(script), std::move(strategies), std::move(problems_), std::move(seeds)};
-        return run(request, baseline, measured, jobs, threads, ablation, cross, progress);
+        return run(request, baseline, measured, jobs, threads, ablation, cross, samples, progress);
       },
       py::arg("script").none(true), py::arg("strategies"), py::arg("problems"), py::arg("seeds"), py::arg("baseline"),
       py::arg("measured"), py::arg("jobs"), py::arg("threads"), py::arg("ablation"), py::arg("cross"),
-      py::arg("progress"));
+      py::arg("samples"), py::arg("progress"));
   m.def("measure", &measure, py::arg("case"), py::arg("folder"), py::arg("samples"), py::arg("estimator"),
         py::arg("valid"));
 }

@@ -275,6 +275,7 @@ def run(
     threads: int = 1,
     ablation: Optional[float] = None,
     cross: Optional[int] = None,
+    samples: Union[None, str, "os.PathLike[str]"] = None,
     progress: Optional[Callable[[int, int], object]] = None,
 ) -> Result:
     """Plans, scores the samples of each level, and returns the results. The same seeds give the same results, and those
@@ -294,9 +295,11 @@ def run(
               runs, at least 0 (default the script's; 0, none, for a strategy).
     cross:    the number of other seeds' paths to score each run on, at least 0 (default the script's; 2 for a
               strategy).
+    samples:  a folder for the packed samples of all runs, which `result.figures.world()` and `levels_of_world()` show
+              (default none). The document names it.
     progress: called with the finished and all steps, in this thread, about 20 times a second.
 
-    Raises `trellis.Error` for a fault of the input, before it plans; KeyboardInterrupt on Ctrl-C, within a proposal;
+    Raises `trellis.Error` for a fault of the input and for a folder that cannot be made, before it plans; KeyboardInterrupt on Ctrl-C, within a proposal;
     and what `progress` raises, which stops the runs too. What Trellis warns of is issued by `warnings.warn`.
     """
     for name, number in ("jobs", jobs), ("threads", threads):
@@ -324,7 +327,8 @@ def run(
         where = _problems(problem, {})
         which = _seeds(seeds, [1])
     document, text, warned = _trellis.run(
-        of, chosen, where, which, baseline, measure, jobs, threads, ablation, cross, progress
+        of, chosen, where, which, baseline, measure, jobs, threads, ablation, cross,
+        None if samples is None else os.fspath(samples), progress
     )
     for sentence in warned:
         warnings.warn(sentence, stacklevel=2)

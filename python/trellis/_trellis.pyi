@@ -109,6 +109,7 @@ def run(
     threads: int,
     ablation: Optional[float],
     cross: Optional[int],
+    samples: Optional[str],
     progress: Optional[Callable[[int, int], object]],
 ) -> Tuple[str, str, List[str]]: ...
 def measure(

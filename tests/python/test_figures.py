@@ -218,7 +218,7 @@ class Documents(unittest.TestCase):
             "there is no option 'x'; there are: scale of shrink": lambda: figures.scales(DOCUMENTS["options"],
                                                                                          option="x"),
             "there is no run of 'rrt' on 'trap' with seed 99": lambda: figures.world(content, seed=99),
-            "there are no samples of 'nested' on 'trap': run it with --samples DIR or --out DIR":
+            "there are no samples of 'nested' on 'trap': run it with --samples DIR, --out DIR, in Python samples=DIR":
                 lambda: figures.levels_of_world(content),
             "index.json is missing: name the folder of `trellis run --samples`":
                 lambda: figures.levels_of_world(figures.read(DOCUMENTS["plane"], samples="/nowhere")),

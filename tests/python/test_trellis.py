@@ -156,6 +156,15 @@ class Scripts(Folder):
         result = trellis.run(trellis.script(GAPS), "trap", measure=False)
         self.assertEqual(result.figures.costs().get_title(loc="left"), "trap")
         self.assertEqual(figures.read(result).strategies, ["rrt", "guided"])
+        with tempfile.TemporaryDirectory() as folder:
+            sampled = trellis.run(trellis.script(GAPS), "trap", seeds=1, measure=False, samples=folder)
+            self.assertEqual(len(sampled.figures.levels_of_world(strategy="guided")), 2)
+            self.assertTrue(os.path.isabs(sampled.document["samples"]))
+            pathlib.Path(folder, "file").touch()
+            with self.assertRaises(trellis.Error):
+                trellis.run("rrt {}", "scenes.cup()", samples=os.path.join(folder, "file", "below"))
+        with self.assertRaisesRegex(ValueError, "there are no samples of 'guided' on 'trap'"):
+            result.figures.levels_of_world(strategy="guided")
         # What a notebook shows.
         page = result._repr_html_()
         self.assertIn("<pre", page)

@@ -247,6 +247,12 @@ def check_cost(cost: str, known: Sequence[str]) -> None:
 Document = Union[str, "os.PathLike[str]", Mapping[str, Any], Results, Any]
 
 
+def _absolute(document: Mapping[str, Any]) -> Optional[str]:
+    """The folder of samples that a document names, where that needs no folder of the document."""
+    folder = document.get("samples")
+    return folder if isinstance(folder, str) and os.path.isabs(folder) else None
+
+
 def read(document: Document, samples: Union[None, str, "os.PathLike[str]"] = None) -> Results:
     """Returns the results of a document.
 
@@ -262,7 +268,7 @@ def read(document: Document, samples: Union[None, str, "os.PathLike[str]"] = Non
     if isinstance(document, Results):
         return document if given is None else Results(document.document, document.file, given)
     if isinstance(document, Mapping):
-        return Results(document, samples=given)
+        return Results(document, samples=given or _absolute(document))
     if isinstance(document, (str, os.PathLike)):
         file = os.fspath(document)
         with open(file, encoding="utf-8") as stream:
@@ -277,5 +283,5 @@ def read(document: Document, samples: Union[None, str, "os.PathLike[str]"] = Non
         return Results(content, file, given)
     content = getattr(document, "document", None)
     if isinstance(content, Mapping):
-        return Results(content, samples=given)
+        return Results(content, samples=given or _absolute(content))
     raise Error(f"a document is a path, a dict or a result, got {type(document).__name__}")

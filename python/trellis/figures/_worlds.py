@@ -67,8 +67,8 @@ def chosen_run(results: Results, problem: str, strategy: str, seed: Seed, solved
         index_of(results)  # says where it is missing
         with_samples = [run for run in found + list(runs) if has_samples(results, run)]
         if not with_samples:
-            raise Error(f"{results.file}: there are no samples {where}: run it with --samples DIR or --out DIR, and "
-                        "name another folder as figures.read(document, samples=DIR)")
+            raise Error(f"{results.file}: there are no samples {where}: run it with --samples DIR, --out DIR, "
+                        "in Python samples=DIR; name another folder as figures.read(document, samples=DIR)")
         return with_samples[0]
     return (found or list(runs))[0]
 
