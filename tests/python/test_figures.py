@@ -98,9 +98,9 @@ return experiment { problems = { scenes.trap() }, baseline = "rrt", seeds = 6, a
 }
 WITH_SAMPLES = ("plane", "arm", "team", "space")
 DRAWN = {
-    "one": ["costs", "success", "ratios", "levels", "waterfall", "world", "strip"],
+    "one": ["costs", "success", "ratios", "levels", "waterfall", "profile", "world", "strip"],
     "unsolved": ["costs", "success", "ratios", "levels", "world", "strip"],
-    "many": ["costs", "success", "ratios", "levels", "waterfall", "correlation", "world", "strip"],
+    "many": ["costs", "success", "ratios", "levels", "waterfall", "correlation", "profile", "world", "strip"],
     "options": ["costs", "success", "ratios", "levels", "scales", "world", "strip"],
     "alone": ["costs", "success", "world", "strip"],
     "plane": ["costs", "success", "ratios", "world", "levels_of_world", "strip"],

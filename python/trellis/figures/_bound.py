@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Optional, Union
 from ._costs import costs, levels, ratios, success
 from ._document import Document, Results, read
 from ._measure import correlation, scales, waterfall
+from ._paths import length, profile
 from ._save import save
 from ._tables import tables
 from ._teams import schedule
@@ -36,6 +37,10 @@ class Figures:
         """How likely is a path by a number of checks? See `trellis.figures.success`."""
         return success(self.results, **options)
 
+    def length(self, **options: Any) -> Any:
+        """How fast do paths get shorter? See `trellis.figures.length`."""
+        return length(self.results, **options)
+
     def ratios(self, **options: Any) -> Any:
         """Does guidance pay? See `trellis.figures.ratios`."""
         return ratios(self.results, **options)
@@ -55,6 +60,10 @@ class Figures:
     def scales(self, **options: Any) -> Any:
         """How do the costs depend on an option? See `trellis.figures.scales`."""
         return scales(self.results, **options)
+
+    def profile(self, **options: Any) -> Any:
+        """Where along the path do the samples lie? See `trellis.figures.profile`."""
+        return profile(self.results, **options)
 
     def world(self, **options: Any) -> Any:
         """Where did each strategy search, and what path did it find? See `trellis.figures.world`."""

@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from . import _style
+from ._compare import Ratios, check_against, ratios_of
 from ._document import Document, Error, Interval, Results, check_cost, number, read
 from ._statistics import wilson
 from ._style import COLUMN, FAINT, GREY, INK, PAGE, SMALL, Entry, Margins
@@ -30,6 +31,11 @@ def _unit(cost: str) -> float:
 def title(results: Results, problem: Optional[str]) -> str:
     """A problem's name, or the number of all."""
     return f"all {len(results.problems)} problems" if problem is None else problem
+
+
+def need_runs(results: Results, names: Sequence[str]) -> None:
+    if not any(results.runs(None, name) for name in names):
+        raise Error(f"{results.file}: there are no runs")
 
 
 def columns_of(count: int) -> int:
@@ -147,6 +153,7 @@ def costs(document: Document, *, problem: Problem = None, strategies: Strategies
     check_cost(cost, tuple(_LABELS))
     results = read(document)
     names = results.chosen(strategies)
+    need_runs(results, names)
     problems = chosen_problems(results, problem, together, 12)
     panels = [_rows(results, one, names, cost) for one in problems]
     axis = _cost_axis(panels)
@@ -228,6 +235,7 @@ def success(document: Document, *, problem: Problem = None, strategies: Strategi
     check_cost(cost, tuple(_LABELS))
     results = read(document)
     names = results.chosen(strategies)
+    need_runs(results, names)
     problems = chosen_problems(results, problem, together, 12)
     count, columns = len(problems), columns_of(len(problems))
     width = COLUMN if count == 1 else PAGE
@@ -267,10 +275,10 @@ class Forest(NamedTuple):
     bracket: float = math.nan  # the other end of a median that is known between two values
 
 
-def forest_axis(ax: Any, rows: Sequence[Forest], tinted: str) -> Tuple[float, float]:
-    """Makes x the logarithmic axis of ratios, and returns its ends: it has all finite medians, and intervals up to ten
-    times beyond them. One half is tinted: "left" or "right" of 1."""
-    medians = [row.ratio.value for row in rows if 0 < row.ratio.value < math.inf] + [1.0]
+def forest_axis(ax: Any, rows: Sequence[Forest], tinted: str, dots: Sequence[float] = ()) -> Tuple[float, float]:
+    """Makes x the logarithmic axis of ratios, and returns its ends: it has all finite medians and dots, and intervals
+    up to ten times beyond them. One half is tinted: "left" or "right" of 1."""
+    medians = [x for x in [*(row.ratio.value for row in rows), *dots] if 0 < x < math.inf] + [1.0]
     ends = [end for row in rows if row.ratio.bounded for end in (row.ratio.lo, row.ratio.hi)]
     lo, hi = min(medians), max(medians)
     ends = [end for end in ends if lo / 10 <= end <= hi * 10]
@@ -311,25 +319,57 @@ def _ratio_text(ratio: Interval) -> str:
 
 
 _GAP = 0.8  # between problems, in rows
+_BESIDE = {
+    "baseline": ("those of {}", "a baseline and another strategy"),
+    "own_planner": ("those of its planner alone", "a strategy with guides and its planner without them"),
+    "best_part": ("those of its better part", "a strategy with two guides and a part of it with one"),
+}
 
 
-def _ratio_rows(results: Results, problems: Sequence[Optional[str]], names: Sequence[str]) -> List[List[Forest]]:
+def _ratio_rows(results: Results, found: Ratios, problems: Sequence[Optional[str]],
+                names: Sequence[str]) -> List[List[Forest]]:
     return [
         [
-            Forest(i * (len(names) + _GAP) + j, results.ratio(one, name), _style.look(results, name),
-                   results.shown(one, name))
+            Forest(i * (len(names) + _GAP) + j, found.of(one, name), _style.look(results, name),
+                   found.shown.get((one, name), False))
             for j, name in enumerate(names)
         ]
         for i, one in enumerate(problems)
     ]
 
 
-def _ratios_panel(ax: Any, results: Results, problems: Sequence[Optional[str]], names: Sequence[str],
+def _problem_dots(results: Results, found: Ratios, problems: Sequence[Optional[str]],
+                  names: Sequence[str]) -> List[Tuple[float, float, bool]]:
+    """Where all problems are one row: of each problem its row, its median and whether the strategies were tuned on it.
+    """
+    if list(problems) != [None] or len(results.problems) < 2:
+        return []
+    tuned = {one["name"]: bool(one.get("tuned")) for one in results.document["experiment"]["problems"]}
+    return [(float(j), found.of(one, name).value, tuned[one]) for j, name in enumerate(names)
+            for one in results.problems if not math.isnan(found.of(one, name).value)]
+
+
+def _draw_dots(ax: Any, results: Results, dots: Sequence[Tuple[float, float, bool]], names: Sequence[str], lo: float,
+               hi: float) -> None:
+    """A light dot for each problem, a ring for one that the strategies were tuned on; at the ends those beyond."""
+    for j, name in enumerate(names):
+        its = [(ratio, tuned) for row, ratio, tuned in dots if row == j]
+        beside = _dots(len(its)) * 1.5
+        colour = _style.look(results, name).colour
+        for (ratio, tuned), shift in zip(its, beside):
+            at, mark = (lo, "<") if ratio < lo else (hi, ">") if ratio > hi else (ratio, "o")
+            ax.plot(at, j + shift, mark, markersize=2.6 if mark == "o" else 3.0, color=colour, alpha=0.4, zorder=1.5,
+                    markerfacecolor="none" if tuned else colour, markeredgewidth=0.6 if tuned else 0, clip_on=False)
+
+
+def _ratios_panel(ax: Any, results: Results, found: Ratios, problems: Sequence[Optional[str]], names: Sequence[str],
                   labels: Sequence[str], every: Sequence[Forest]) -> None:
-    groups = _ratio_rows(results, problems, names)
+    groups = _ratio_rows(results, found, problems, names)
     rows = [row for group in groups for row in group]
-    lo, hi = forest_axis(ax, every, "left")
+    dots = _problem_dots(results, found, problems, names)
+    lo, hi = forest_axis(ax, every, "left", [ratio for _, ratio, _ in dots])
     ax.grid(axis="x", color=FAINT, linewidth=0.5)
+    _draw_dots(ax, results, dots, names, lo, hi)
     draw_forest(ax, rows, lo, hi)
     for i in range(1, len(problems)):
         ax.axhline(i * (len(names) + _GAP) - 0.5 - _GAP / 2, color=FAINT, linewidth=0.5)
@@ -348,25 +388,36 @@ def _ratios_panel(ax: Any, results: Results, problems: Sequence[Optional[str]], 
     _style.above(ax, one, "more →", 1, ha="left")
 
 
-def ratios(document: Document, *, problem: Problem = None, strategies: Strategies = None, together: bool = False,
-           ax: Any = None) -> Any:
-    """Does guidance pay? A forest plot of the validity checks divided by the baseline's on the same seed: the median,
+def ratios(document: Document, *, problem: Problem = None, strategies: Strategies = None, against: str = "baseline",
+           together: bool = False, ax: Any = None) -> Any:
+    """Does guidance pay? A forest plot of the validity checks divided by the reference's on the same seed: the median,
     with its 95 % interval. Left of 1, tinted, the strategy costs less. A mark is filled where the sign test, corrected
-    by Holm over the document's comparisons, shows a difference (5 %). An arrow ends an interval that continues beyond
-    the axis; in place of a mark: the median is infinite, or 0.
+    by Holm over the comparisons, shows a difference (5 %). An arrow ends an interval that continues beyond the axis; in
+    place of a mark: the median is infinite, or 0. Where several problems are one row, light dots are the medians of the
+    problems, rings of those that the strategies were tuned on.
 
     problem:  one or several names of problems, one below the other (default all; more than 24: all together).
+    against:  the reference: "baseline"; "own_planner", the strategy of the document that is the same planner without
+              guides; or "best_part", of a strategy with several guides the cheaper of the strategies with a part of
+              them (default "baseline").
     together: whether the seeds of all problems count together (default False).
     ax:       axes to draw in, one, or two for many rows (default those of a new figure, 86 mm wide; many rows are in
               two columns of 178 mm).
 
-    The other arguments, what it returns and what it raises are those of `costs`; `Error` also without a baseline.
+    The other arguments, what it returns and what it raises are those of `costs`; `Error` also where the document has no
+    reference.
     """
+    check_against(against)
     results = read(document)
-    names = [name for name in results.chosen(strategies) if name != results.baseline]
-    if not results.baseline or not names:
+    beside, needed = _BESIDE[against]
+    given = [name for name in results.chosen(strategies) if against != "baseline" or name != results.baseline]
+    if not results.baseline or not given:
         raise Error(f"{results.file}: ratios need a baseline and another strategy")
+    found = ratios_of(results, against)
     problems = chosen_problems(results, problem, together, 24)
+    names = [name for name in given if against == "baseline" or any((one, name) in found.ratio for one in problems)]
+    if not names:
+        raise Error(f"{results.file}: ratios beside {against} need {needed}")
     total = len(problems) * (len(names) + _GAP)
     several = len(problems) > 1
     entries = [Entry(name, _style.look(results, name)) for name in names] if several else []
@@ -375,7 +426,7 @@ def ratios(document: Document, *, problem: Problem = None, strategies: Strategie
         middle = (len(problems) + 1) // 2
         halves = [list(problems[:middle]), list(problems[middle:])]
     width = COLUMN if len(halves) == 1 else PAGE
-    texts = _style.width_of([_ratio_text(results.ratio(one, name)) for one in problems for name in names], SMALL)
+    texts = _style.width_of([_ratio_text(found.of(one, name)) for one in problems for name in names], SMALL)
     with _style.styled():
         axes = _style.given(ax, len(halves), "ratios")
         own = axes is None
@@ -387,19 +438,20 @@ def ratios(document: Document, *, problem: Problem = None, strategies: Strategie
         if axes is None:
             rows = max(len(half) for half in halves) * (len(names) + _GAP) - _GAP + 1.4
             frame = margins.top + margins.bottom
-            row = max(2.3, min(4.2 if not several else 3.2, (120 - frame) / rows))
+            most = 3.2 if several else 5.0 if _problem_dots(results, found, problems, names) else 4.2
+            row = max(2.3, min(most, (120 - frame) / rows))
             axes = _style.place("ratios", width, rows * row + frame, len(halves), len(halves), margins)
             if several:
                 _style.key(axes[0].figure, entries, 2, width - 4, False)
         elif several:
             for one in axes:
                 _style.inner_key(one, entries, False, 3.4)
-        every = [row for group in _ratio_rows(results, problems, names) for row in group]
+        every = [row for group in _ratio_rows(results, found, problems, names) for row in group]
         for one, half, its in zip(axes, halves, labels):
-            _ratios_panel(one, results, half, names, its, every)
+            _ratios_panel(one, results, found, half, names, its, every)
             if own and len(half) < len(halves[0]):  # rows as high as those of the other column
                 one.set_ylim(axes[0].get_ylim())
-        _style.below(axes, f"checks ÷ those of {results.baseline}, same seeds", own, margins)
+        _style.below(axes, f"checks ÷ {beside.format(results.baseline)}, same seeds", own, margins)
     return _style.returned(axes)
 
 

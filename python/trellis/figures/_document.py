@@ -83,18 +83,20 @@ class Results:
         self.samples = samples
         self.index: Any = None  # of the samples, once a figure reads them
         self.scenes: Dict[str, Any] = {}  # of problems, likewise
+        self.parts: List["Results"] = []  # of documents that were joined
         experiment = document["experiment"]
         self.problems = [problem["name"] for problem in experiment["problems"]]
-        self._specs = {strategy["name"]: strategy for strategy in experiment["strategies"]}
-        left_out = {entry["strategy"] for entry in document["comparisons"] if entry.get("ablation")}
+        self._specs = {strategy["name"]: strategy for strategy in experiment.get("strategies") or []}
+        comparisons = document.get("comparisons") or []
+        left_out = {entry["strategy"] for entry in comparisons if entry.get("ablation")}
         self._listed = [name for name in self._specs if name not in left_out]
         self._runs: Dict[Tuple[str, str], List[Mapping[str, Any]]] = {}
-        for run in document["runs"]:
+        for run in document.get("runs") or []:
             self._runs.setdefault((run["problem"], run["strategy"]), []).append(run)
-        self._summary = {(entry["problem"], entry["strategy"]): entry for entry in document["summary"]}
+        self._summary = {(entry["problem"], entry["strategy"]): entry for entry in document.get("summary") or []}
         self._comparisons = {
             (entry["problem"], entry["strategy"]): entry
-            for entry in document["comparisons"]
+            for entry in comparisons
             if not entry.get("ablation")
         }
         self.baseline = self._reference()
@@ -122,12 +124,12 @@ class Results:
         return sum(logs) / len(logs) if logs else 0.0
 
     def __repr__(self) -> str:
-        return f"<trellis.figures.Results of {len(self.document['runs'])} runs>"
+        return f"<trellis.figures.Results of {sum(map(len, self._runs.values()))} runs>"
 
     @property
     def seeds(self) -> int:
         """The number of seeds."""
-        return len(self.document["experiment"]["seeds"])
+        return len(self.document["experiment"].get("seeds") or [])
 
     @property
     def others(self) -> List[str]:
@@ -184,6 +186,10 @@ class Results:
         """The entry of `summary` of a strategy on a problem, or on all of them (None); None where there is none."""
         if problem is None and len(self.problems) == 1:
             problem = self.problems[0]
+        return self.entry(problem, strategy)
+
+    def entry(self, problem: Optional[str], strategy: str) -> Optional[Mapping[str, Any]]:
+        """The entry of `summary` as the document has it: of a single problem there is none of all problems."""
         return self._summary.get((problem, strategy))
 
     def comparison(self, problem: Optional[str], strategy: str) -> Optional[Mapping[str, Any]]:
@@ -253,17 +259,39 @@ def _absolute(document: Mapping[str, Any]) -> Optional[str]:
     return folder if isinstance(folder, str) and os.path.isabs(folder) else None
 
 
-def read(document: Document, samples: Union[None, str, "os.PathLike[str]"] = None) -> Results:
-    """Returns the results of a document.
+def read(document: Union[Document, Sequence[Document]], samples: Union[None, str, "os.PathLike[str]"] = None, *,
+         baseline: Optional[str] = None, by_name: bool = False) -> Results:
+    """Returns the results of a document, or of several together.
 
     document: the path of a file of `trellis run --json`, its content as a dict, a `trellis.Result`, or a `Results`,
-              which is returned as it is.
+              which is returned as it is. Or a list of these: runs of the same strategies are joined.
     samples:  the folder of `trellis run --samples` with the samples of the document's runs (default the folder that
               the document names, seen from its own folder). Figures of worlds and levels show them.
+    baseline: the strategy that the others are compared with (default that of the document).
+    by_name:  whether strategies of one name in several documents may differ (default False).
 
-    Raises `Error` for a document of another format, and for a file that is no document; OSError where the file cannot
-    be read.
+    Raises `Error` for a document of another format, for a file that is no document, for documents whose strategies or
+    seeds contradict each other, and for an unknown baseline; OSError where the file cannot be read.
     """
+    if not isinstance(document, (list, tuple)):
+        results = _read_one(document, samples)
+        if baseline is None or baseline == results.baseline:
+            return results
+        parts = [results]
+    else:
+        if not document:
+            raise Error("name at least one document")
+        if len(document) > 1 and samples is not None:
+            raise Error("samples are of one document; several documents name their own folders")
+        parts = [_read_one(one, samples) for one in document]
+        if len(parts) == 1 and baseline in (None, parts[0].baseline):
+            return parts[0]
+    from ._join import joined
+
+    return joined(parts, baseline, by_name)
+
+
+def _read_one(document: Document, samples: Union[None, str, "os.PathLike[str]"]) -> Results:
     given = None if samples is None else os.fspath(samples)
     if isinstance(document, Results):
         return document if given is None else Results(document.document, document.file, given)

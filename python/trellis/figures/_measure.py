@@ -172,6 +172,7 @@ def _waterfall_axes(panels: Sequence[_Waterfall], left: float, texts: float, wid
 
 # Correlation ---------------------------------------------------------------------------------------------------------
 
+Nats = Tuple[float, float, float, float]
 PREDICTORS = ("hitting", "mass", "spread", "SE")
 PAIRS = ((0, 1), (0, 3), (1, 2), (1, 3), (2, 3))
 _LEAST_STRATEGIES, _LEAST_PROBLEMS = 3, 2
@@ -182,7 +183,7 @@ class Dot(NamedTuple):
 
     problem: str
     strategy: str
-    nats: Tuple[float, float, float, float]  # by each predictor; NaN: no hitting
+    nats: Nats  # by each predictor; NaN: no hitting
     ratio: float
 
 
@@ -194,7 +195,24 @@ class Correlation(NamedTuple):
     differences: List[Interval]  # of PAIRS
 
 
-def _nats(root: Mapping[str, Any], role: str, paths: str) -> Optional[Tuple[float, float, float, float]]:
+def _mean_nats(entries: Sequence[Mapping[str, Any]], role: str, paths: str) -> Optional[Nats]:
+    """The mean over the runs of all documents, of their roots."""
+    mean: Optional[Nats] = None
+    runs = 0
+    for entry in entries:
+        nats = _nats(entry["levels"][0], role, paths) if entry["levels"] else None
+        if nats is None:
+            continue
+        here = int(entry["levels"][0]["measure"][role][paths]["runs"])
+        runs += here
+        mean = nats if mean is None else (mean[0] + (nats[0] - mean[0]) * here / runs,
+                                          mean[1] + (nats[1] - mean[1]) * here / runs,
+                                          mean[2] + (nats[2] - mean[2]) * here / runs,
+                                          mean[3] + (nats[3] - mean[3]) * here / runs)
+    return mean
+
+
+def _nats(root: Mapping[str, Any], role: str, paths: str) -> Optional[Nats]:
     measure = (root.get("measure") or {}).get(role) or {}
     figure = measure.get(paths)
     if not figure or not figure.get("runs"):
@@ -221,13 +239,13 @@ def correlate(results: Results, proposals: bool = False) -> Optional[Correlation
     role = "expansion" if proposals else "tree"
     groups: List[List[Dot]] = []
     for problem in results.problems:
-        found: Dict[str, Dict[str, Tuple[float, float, float, float]]] = {"cross": {}, "self": {}}
+        found: Dict[str, Dict[str, Nats]] = {"cross": {}, "self": {}}
         for name in results.others + ([results.baseline] if results.baseline else []):
             entry = results.summary(problem, name)
-            if entry is None or not entry["levels"]:
+            if entry is None:
                 continue
             for paths, its in found.items():
-                nats = _nats(entry["levels"][0], role, paths)
+                nats = _mean_nats(entry.get("parts") or [entry], role, paths)
                 if nats is not None:
                     its[name] = nats
         chosen = found["cross"] or found["self"]
@@ -258,9 +276,10 @@ def rho_text(rho: Interval) -> str:
 
 def correlation(document: Document, *, proposals: bool = False, ax: Any = None) -> Any:
     """Which nats predict the checks? A dot for each strategy with guides on each problem: over the nats above uniform
-    of the root's samples, by hitting, by mass, by spread and both, the validity checks divided by the baseline's on the same seed,
-    the median. Titles have Spearman's rank correlation within problems, with a bootstrap's 95 % interval over them
-    (from six problems on): at -1 more nats mean fewer checks on each problem. Arrows: the ratio is infinite, or 0.
+    of the root's samples, by hitting, by mass, by spread and both, the validity checks divided by the baseline's on the
+    same seed, the median. Titles have Spearman's rank correlation within problems, with a bootstrap's 95 % interval
+    over them (from six problems on): at -1 more nats mean fewer checks on each problem. Arrows: the ratio is infinite,
+    or 0.
 
     proposals: whether the nats are those of the root's proposals (default False: of its nodes).
     ax:        four axes to draw in (default those of a new figure, 178 mm wide).
@@ -282,7 +301,8 @@ def correlation(document: Document, *, proposals: bool = False, ax: Any = None) 
         margins = Margins(left=14, right=3, bottom=8.4, wide=5,
                           top=_style.key_height(entries, PAGE - 17, False) + 9.7)
         if axes is None:
-            axes = _style.place("correlation", PAGE, 46 + margins.top + margins.bottom, len(PREDICTORS), len(PREDICTORS), margins)
+            height = 46 + margins.top + margins.bottom
+            axes = _style.place("correlation", PAGE, height, len(PREDICTORS), len(PREDICTORS), margins)
             _style.key(axes[0].figure, entries, 14, PAGE - 17, False)
         for k, one in enumerate(axes):
             for name in names:

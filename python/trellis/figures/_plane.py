@@ -253,6 +253,18 @@ class PlaneView:
         for body in bodies:
             self._body(ax, body)
 
+    def axes(self, ax: Any) -> None:
+        """Labels the axes, in metres."""
+        ticks = [_style.round_ticks(lo, hi, 7) for lo, hi in zip(self.lo, self.hi)]
+        texts = [[f"{tick:.6g}".replace("-", "−") for tick in its] for its in ticks]
+        ax.set_xticks(ticks[0])
+        ax.set_xticklabels(texts[0])
+        ax.set_yticks(ticks[1])
+        ax.set_yticklabels(texts[1])
+        ax.tick_params(axis="y", labelsize=6.5)
+        ax.set_xlabel("x, m", fontsize=_style.SIZE, color=_style.INK)
+        ax.set_ylabel("y, m", fontsize=_style.SIZE, color=_style.INK)
+
     def _body(self, ax: Any, body: Body) -> None:
         if not isinstance(body.robot, PlanarRobot) or len(body.q) < body.robot.dimension:
             return

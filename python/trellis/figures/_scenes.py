@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import json
 import math
 import pathlib
@@ -493,6 +494,12 @@ class Scene:
         goals = [problem.get("goal"), *(problem.get("further_goals") or [])]
         self.goals = [one for one in (_configuration(goal, len(raw["axes"])) for goal in goals) if one is not None]
 
+    def seen_from(self, view: Sequence[float]) -> "Scene":
+        """The same for another camera: azimuth and elevation, in degrees."""
+        other = copy.copy(self)
+        other.world = {**self.world, "view": list(view)}
+        return other
+
     def member_of(self, column: int) -> int:
         """The robot of the team that a column moves; 0 of a robot alone."""
         return next((i for i, one in enumerate(self.team) if column in one.columns), 0)
@@ -596,7 +603,7 @@ class Index:
 
 
 def index_of(results: Results) -> Optional[Index]:
-    """The samples beside a document; None of one that has none."""
+    """The samples beside a document; None of one that has none, and of several documents."""
     if results.samples is None:
         return None
     if results.index is None:
@@ -607,6 +614,8 @@ def index_of(results: Results) -> Optional[Index]:
 
 def has_samples(results: Results, run: Mapping[str, Any]) -> bool:
     """Whether there are samples of a run, in a folder that is there."""
+    if results.parts:
+        return any(has_samples(part, run) for part in results.parts)
     if results.samples is None or not pathlib.Path(results.samples, "index.json").is_file():
         return False
     index = index_of(results)
@@ -619,6 +628,9 @@ def _key(run: Mapping[str, Any]) -> Tuple[str, str, str]:
 
 def levels_of(results: Results, run: Mapping[str, Any], scene: Scene) -> Optional[List[Level]]:
     """The levels of a run, the robot's own first; None where the document has no samples."""
+    for part in results.parts:
+        if has_samples(part, run):
+            return levels_of(part, run, scene)
     index = index_of(results)
     entry = None if index is None else index.runs.get(_key(run))
     if index is None or entry is None:

@@ -351,6 +351,38 @@ class SpaceView:
         pieces = np.stack(ends, 1)[~flat]
         strokes(ax, pieces, edgecolor=OBSTACLE_EDGE, linewidth=0.45, zorder=_plane.TREE - 0.5, capstyle="round")
 
+    def axes(self, ax: Any) -> None:
+        """Labels three edges of the bounds with the extent of each axis, in metres: of each axis the lowest edge that
+        does not end at the corner nearest to the viewer."""
+        middle = self.corners[:, :2].mean(0)
+        for axis, name in enumerate("xyz"):
+            pairs = [(i, i | 1 << axis) for i in range(8) if not i >> axis & 1]
+            outer = [pair for pair in pairs if self._outer(pair)]
+            low = min(outer or pairs, key=lambda pair: (self.corners[list(pair), 1].sum(), pair))
+            if axis == 2:
+                low = min(outer or pairs, key=lambda pair: (self.corners[list(pair), 0].sum(), pair))
+            ends = self.corners[list(low), :2]
+            away = ends.mean(0) - middle
+            away = away / max(float(np.hypot(*away)), 1e-300)
+            lo, hi = self.scene.lo[axis], self.scene.hi[axis]
+            text = f"{name} {lo:.4g} – {hi:.4g} m".replace("-", "−")
+            along = ends[1] - ends[0]
+            if float(np.hypot(*along)) < 0.05 * float(max(self.hi - self.lo)):  # seen from its end
+                continue
+            turn = float(np.degrees(np.arctan2(along[1], along[0])))
+            turn = turn - 180 if turn > 90 else turn + 180 if turn <= -90 else turn
+            ax.annotate(text, ends.mean(0), xytext=tuple(away * 1.7 * _style.POINT), textcoords="offset points",
+                        ha="center", va="center", rotation=turn, rotation_mode="anchor", fontsize=_style.SMALL,
+                        color=_style.GREY, annotation_clip=False)
+
+    def _outer(self, pair: Tuple[int, int]) -> bool:
+        """Whether an edge of the bounds is on the outline of their picture."""
+        a, b = self.corners[pair[0], :2], self.corners[pair[1], :2]
+        d = b - a
+        side = d[0] * (self.corners[:, 1] - a[1]) - d[1] * (self.corners[:, 0] - a[0])
+        slack = 1e-9 * float(np.abs(side).max())
+        return bool((side <= slack).all() or (side >= -slack).all())
+
     def _split(self, ax: Any, points: Array) -> Tuple[Array, Array]:
         """Seen and hidden pieces of segments of the world; robots hide none."""
         return self._buffer(ax).split(self.project(points))

@@ -216,6 +216,20 @@ def _student_quantile(share: float, freedom: int) -> float:
     return 0.5 * (lo + hi)
 
 
+def mean_interval(values: Sequence[float]) -> Interval:
+    """The mean with Student's 95 % interval; no interval of fewer than 5 values."""
+    known = [value for value in values if not math.isnan(value)]
+    if not known:
+        return Interval()
+    count = len(known)
+    mean = sum(known) / count
+    if count < _LEAST_FOR_INTERVAL:
+        return Interval(mean)
+    squares = sum((value - mean) ** 2 for value in known)
+    half = _student_quantile(_EACH_SIDE, count - 1) * math.sqrt(squares / (count - 1) / count)
+    return Interval(mean, mean - half, mean + half)
+
+
 def _percentiles(value: float, resampled: "np.ndarray[Any, Any]", groups: int) -> Interval:
     """The two ends by percentiles of the samples, expanded for few groups as Student's quantiles are."""
     known = np.sort(resampled[~np.isnan(resampled)])

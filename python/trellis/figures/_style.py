@@ -364,14 +364,19 @@ def log_axis(ax: Any, lo: float, hi: float, label: Any = short, extra: Optional[
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def linear_axis(ax: Any, lo: float, hi: float, places: Optional[Sequence[float]] = None) -> None:
-    """Makes x linear from lo to hi, with ticks at round numbers, or at the places given."""
+def round_ticks(lo: float, hi: float, most: int = 5) -> List[float]:
+    """Multiples of 1, 2 or 5 times a power of ten, about `most` of them."""
     step = 1.0
     power = math.floor(math.log10(hi - lo)) - 2
     for step in (mark * 10.0 ** (power + k) for k in range(3) for mark in (1, 2, 5)):
-        if (hi - lo) / step <= 5:
+        if (hi - lo) / step <= most:
             break
-    ticks = [k * step for k in range(math.ceil(lo / step), math.floor(hi / step) + 1)] if places is None else places
+    return [k * step for k in range(math.ceil(lo / step), math.floor(hi / step) + 1)]
+
+
+def linear_axis(ax: Any, lo: float, hi: float, places: Optional[Sequence[float]] = None) -> None:
+    """Makes x linear from lo to hi, with ticks at round numbers, or at the places given."""
+    ticks = round_ticks(lo, hi) if places is None else places
     labels = [f"{tick:.6g}".replace("-", "−") for tick in ticks]
     ax.set_xlim(lo, hi)
     ax.xaxis.set_major_locator(FixedLocator(ticks))

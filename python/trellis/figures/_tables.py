@@ -2,14 +2,17 @@
 """Tables of a document, as frames of pandas, and as CSV, Markdown and LaTeX."""
 from __future__ import annotations
 
+import csv
+import io
 import math
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import _style
+from ._compare import AGAINST, compared
 from ._costs import title, verdict_text, verdicts
 from ._document import Document, Error, Interval, Results, number, read
 from ._measure import PAIRS, PREDICTORS, correlate
-from ._statistics import PairedCosts, holm, median, paired_costs, references
+from ._statistics import PairedCosts
 
 if TYPE_CHECKING:
     import pandas
@@ -60,30 +63,15 @@ _PAIRED = ("group", "tuned", "problem", "strategy", "against", "reference", "qua
            "paired_ratio", "lo", "hi", "sign_p", "holm_p", "effect")
 
 
-def _by_seed(results: Results, problem: str, strategy: str, quantity: str) -> Dict[Any, float]:
-    values = results.costs(problem, strategy, quantity)
-    return {run["seed"]: float(value) for run, value in zip(results.runs(problem, strategy), values)}
-
-
 def _paired(results: Results) -> List[Dict[str, Any]]:
-    texts = {name: str(results.spec(name)["text"]) for name in results.script}
     known = {problem["name"]: problem for problem in results.document["experiment"]["problems"]}
-    rows: List[Dict[str, Any]] = []
-    for against in ("baseline", "own_planner", "best_part") if results.baseline else ():
-        for quantity in ("validity_checks", "cpu_s"):
-            part: List[Dict[str, Any]] = []
-            for problem in results.problems:
-                costs = {name: _by_seed(results, problem, name, quantity) for name in texts}
-                for strategy in texts:
-                    others = [name for name in references(texts, strategy, against, results.baseline) if costs[name]]
-                    if costs[strategy] and others:
-                        other = min(others, key=lambda name: median(list(costs[name].values())))
-                        found = paired_costs(costs[strategy], costs[other])
-                        part.append(_paired_row(results, known[problem], strategy, against, other, quantity, found))
-            for row, p in zip(part, holm([row["sign_p"] for row in part])):
-                row["holm_p"] = p
-            rows += part
-    return rows
+    return [
+        {**_paired_row(results, known[one.problem], one.strategy, against, one.reference, quantity, one.costs),
+         "holm_p": one.holm_p}
+        for against in (AGAINST if results.baseline else ())
+        for quantity in ("validity_checks", "cpu_s")
+        for one in compared(results, against, quantity)
+    ]
 
 
 def _paired_row(results: Results, problem: Mapping[str, Any], strategy: str, against: str, reference: str,
@@ -171,6 +159,17 @@ def _printed(name: str, rows: Sequence[Mapping[str, Any]]) -> List[List[str]]:
             *body]
 
 
+def _csv(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
+    """Numbers that read back as they are; a cell without a value is empty."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        cells = [row.get(name) for name in columns]
+        writer.writerow(["" if cell is None or cell != cell else cell for cell in cells])
+    return out.getvalue()
+
+
 _LEFT = {"problem", "strategy", "without", "reference", "cost", "nats above uniform", ""}
 
 
@@ -216,7 +215,7 @@ def tables(document: Document, format: Optional[str] = None) -> Dict[str, Any]:
     document: what `read` takes.
     format:   None (default): frames of pandas, with numbers; "csv", "markdown" or "latex" (booktabs): texts.
 
-    Raises `Error` for another format, and ImportError without pandas.
+    Raises `Error` for another format, and, for frames, ImportError without pandas.
     """
     if format is not None and format not in ENDINGS:
         raise Error(f"there is no format '{format}' of tables; there are: {', '.join(ENDINGS)}")
@@ -229,8 +228,8 @@ def _formatted(name: str, rows: Sequence[Mapping[str, Any]], format: Optional[st
         return _markdown(_printed(name, rows))
     if format == "latex":
         return _latex(_printed(name, rows))
-    frame = _frame(rows, _MAKERS[name][1])
-    return frame if format is None else str(frame.to_csv(index=False, lineterminator="\n"))
+    columns = _MAKERS[name][1]
+    return _frame(rows, columns) if format is None else _csv(rows, columns)
 
 
 def rows_of(results: Results) -> Dict[str, List[Dict[str, Any]]]:

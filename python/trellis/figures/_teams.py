@@ -58,7 +58,8 @@ def _affine(w: Array) -> Array:
 
 
 def distances(first: Array, second: Array) -> Array:
-    """Distances of convex hulls (n, k, 3) and (n, m, 3), pair by pair; 0 where they meet (Gilbert, Johnson, Keerthi)."""
+    """Distances of convex hulls (n, k, 3) and (n, m, 3), pair by pair; 0 where they meet (Gilbert, Johnson,
+    Keerthi)."""
     count = len(first)
     out = np.zeros(count)
     simplex, used = np.zeros((count, 4, 3)), np.zeros((count, 4), bool)

@@ -18,6 +18,7 @@ View = Union[PlaneView, SpaceView]
 Run = Mapping[str, Any]
 Seed = Union[None, int, str]
 
+_TEAM_GOAL = "#0072B2"  # of the robot at the goal, in a world without runs
 _TOP = 8.6  # above a panel: a name and a line, mm
 _LEVELS = 12  # panels of levels at most
 _SAMPLES = 10000  # dots of samples in a panel at most, all robots of a team together
@@ -31,19 +32,26 @@ def pictured(results: Results) -> List[str]:
     return [name for name in results.problems if scene_of(results, name) is not None]
 
 
-def chosen_scene(results: Results, problem: Optional[str]) -> Scene:
-    """The scene of a problem; of the first that has one by default."""
+def chosen_scene(results: Results, problem: Optional[str], azimuth: Optional[float] = None,
+                 elevation: Optional[float] = None) -> Scene:
+    """The scene of a problem; of the first that has one by default.
+
+    azimuth, elevation: of the camera in space, in degrees (default those of the document).
+    """
+    found: Optional[Scene] = None
     if problem is not None:
         results.panels(problem)
         found = scene_of(results, problem)
         if found is None:
             raise Error(f"{results.file}: '{problem}' has no world that can be drawn")
+    else:
+        found = next((scene for scene in (scene_of(results, name) for name in results.problems) if scene), None)
+    if found is None:
+        raise Error(f"{results.file}: no problem has a world that can be drawn")
+    if found.dimension == 2 or (azimuth is None and elevation is None):
         return found
-    for name in results.problems:
-        found = scene_of(results, name)
-        if found is not None:
-            return found
-    raise Error(f"{results.file}: no problem has a world that can be drawn")
+    view = [old if new is None else new for old, new in zip(found.world["view"], (azimuth, elevation))]
+    return found.seen_from(view)
 
 
 def chosen_run(results: Results, problem: str, strategy: str, seed: Seed, solved: bool = False,
@@ -79,7 +87,8 @@ def best(results: Results, problem: str, guided: bool = False) -> str:
     names = [name for name in order if not guided or results.guided(name)]
     solved = [name for name in names if any(path_of(run) is not None for run in results.runs(problem, name))]
     if not names:
-        raise Error(f"{results.file}: no strategy has guides")
+        raise Error(f"{results.file}: no strategy has guides" if guided and order else
+                    f"{results.file}: there is no strategy")
     return (solved or names)[0]
 
 
@@ -153,16 +162,17 @@ def _bodies(scene: Scene, path: Optional[Array], colour: str) -> List[Body]:
     robot = scene.robot
     if robot is None or robot.is_point:
         return []
-    ends = [scene.start] + scene.goals[:1]
     if scene.team:
-        start, goal = (path[0], path[-1]) if path is not None else ([*ends, None])[:2]
+        ends = [scene.start, *scene.goals, None]
+        start, goal = (path[0], path[-1]) if path is not None else (ends[0], ends[1])
         looks = [(goal, colour, 0.0, 0.45, _plane.PATH - 0.5), (start, None, 0.9, 1.0, _plane.BODIES)]
         if scene.dimension == 3:
             looks = [(start, colour, 0.4, 0.25, 0.0), (goal, colour, 0.5, 0.9, 0.0)]
         return [Body(robot, q, face, INK, width, alpha, layer, _colours(scene))
                 for q, face, width, alpha, layer in looks if q is not None]
     if path is None:
-        return [Body(robot, q, "white", INK, 0.5, 0.9) for q in ends if q is not None]
+        at_ends = [Body(robot, q, colour, INK, 0.5, 0.85) for q in scene.goals]
+        return at_ends + ([Body(robot, scene.start, "white", INK, 0.5, 0.85)] if scene.start is not None else [])
     if _is_arm(scene):
         between = _poses(scene, path, 0, 9 if scene.dimension == 2 else 3)[1:-1]
         light = [Body(robot, q, None, GREY, 0.3, 0.6, _plane.PATH - 1) for q in between] if scene.dimension == 2 else []
@@ -273,32 +283,35 @@ def _panels(name: str, ax: Any, count: int, aspect: float, wide: bool, top: floa
 
 
 def world(document: Document, *, problem: Optional[str] = None, strategies: Optional[Sequence[str]] = None,
-          seed: Seed = None, ax: Any = None) -> Any:
+          seed: Seed = None, level: Optional[int] = None, azimuth: Optional[float] = None,
+          elevation: Optional[float] = None, ax: Any = None) -> Any:
     """Where did each strategy search, and what path did it find? A panel for each: the obstacles, the proposals of the
-    robot's own level as dots (of more than 10,000 each second, each third, ...), its tree above them, the path with a white rim, and the robot along it. A ring is the
-    start, a disc a goal. Of an arm the tip is traced, and its outlines lie between start and goal; the robots of a team
-    have colours of their own. In space, what obstacles hide is fainter.
+    robot's own level as dots (of more than 10,000 each second, each third, ...), its tree above them, the path with a
+    white rim, and the robot along it. A ring is the start, a disc the goal. Of an arm the tip is traced, and its
+    outlines lie between start and goal; the robots of a team have colours of their own. In space, what obstacles hide
+    is fainter. Without runs: the world, and the robot at the start and at the goal, with the axes in metres.
 
     document:   what `read` takes. Without samples the world, the path and the robot are drawn alone.
     problem:    the name of a problem (default the first with a world).
     strategies: names of strategies (default the baseline, and the cheapest of the others).
     seed:       of the runs (default of each strategy its first solved run).
+    level:      the number of a level: it is drawn in place of the robot's own, of one strategy (default the cheapest
+                with guides). It needs samples.
+    azimuth, elevation: of the camera in space, in degrees (default those of the document).
     ax:         axes to draw in, one for each strategy (default those of a new figure).
 
-    Returns the axes: one, or an array of several. Raises `Error` for an unknown name or seed, for a problem without a
-    world, and for another number of axes.
+    Returns the axes: one, or an array of several. Raises `Error` for an unknown name, seed or level, for a problem
+    without a world, and for another number of axes.
     """
     results = read(document)
-    scene = chosen_scene(results, problem)
-    if strategies is None:
-        first = best(results, scene.name)
-        names = list(dict.fromkeys([results.baseline or first, first]))
-        names += results.others[:1] if len(names) == 1 else []  # none of the others has a path
-        names = [name for name in dict.fromkeys(names) if results.runs(scene.name, name)]
-    else:
-        names = results.chosen(strategies)
-    if not names:
+    scene = chosen_scene(results, problem, azimuth, elevation)
+    if level is not None:
+        return _one_level(results, scene, strategies, seed, level, ax)
+    names = results.chosen(strategies) if strategies is not None else _compared(results, scene)
+    if not names and strategies is not None:
         raise Error(f"{results.file}: name at least one strategy")
+    if not names:
+        return _bare(scene, ax)
     runs = [chosen_run(results, scene.name, name, seed) for name in names]
     view = whole_view(scene, [path for path in map(path_of, runs) if path is not None])
     with _style.styled():
@@ -315,6 +328,59 @@ def world(document: Document, *, problem: Optional[str] = None, strategies: Opti
             _draw_ends(one, view, scene, path)
             _heading(one, name, f"{_checks(run)}, {metres(run)}", colour, _style.size_of(one)[0])
     return _style.returned(axes)
+
+
+def _compared(results: Results, scene: Scene) -> List[str]:
+    """The baseline and the cheapest of the others, as far as they have runs on a problem; none without runs."""
+    if not any(results.runs(scene.name, name) for name in results.strategies):
+        return []
+    first = best(results, scene.name)
+    names = list(dict.fromkeys([results.baseline or first, first]))
+    names += results.others[:1] if len(names) == 1 else []  # none of the others has a path
+    return [name for name in dict.fromkeys(names) if results.runs(scene.name, name)]
+
+
+def _bare(scene: Scene, ax: Any) -> Any:
+    """A world without runs, with the robot at the start and at the goal."""
+    view = view_of(scene)
+    flat = scene.dimension == 2
+    with _style.styled():
+        axes = _style.given(ax, 1, "world")
+        if axes is None:
+            margins = Margins(left=9 if flat else 3, right=3, top=5.5, bottom=8.4 if flat else 5)
+            wide = _style.COLUMN - margins.left - margins.right
+            high = min(wide * view.aspect, 150.0)
+            axes = _style.place("world", _style.COLUMN, high + margins.top + margins.bottom, 1, 1, margins)
+        one = axes[0]
+        one.set_anchor("SW")
+        view.begin(one, _bodies(scene, None, _TEAM_GOAL))
+        _draw_ends(one, view, scene)
+        view.axes(one)
+        _style.above(one, 0, _style.cut(scene.name, _style.size_of(one)[0]), dy=1.1, fontsize=_style.SIZE, color=INK,
+                     fontweight="bold")
+    return axes[0]
+
+
+def _one_level(results: Results, scene: Scene, strategies: Optional[Sequence[str]], seed: Seed, number: int,
+               ax: Any) -> Any:
+    """A level of one run."""
+    names = results.chosen(strategies)
+    if strategies is None:
+        guided = [name for name in names if results.guided(name)]
+        names = [best(results, scene.name, guided=bool(guided))] if names else []
+    if len(names) != 1:
+        raise Error(f"{results.file}: a level is drawn of one strategy, got {len(names)}")
+    run = chosen_run(results, scene.name, names[0], seed, samples=True)
+    levels = levels_of(results, run, scene) or []
+    if not 0 <= number < len(levels):
+        known = ", ".join(f"{i} {one.name}" for i, one in enumerate(levels))
+        raise Error(f"{results.file}: '{names[0]}' has no level {number}; there are: {known}")
+    path = path_of(run)
+    view = whole_view(scene, [] if path is None else [path])
+    with _style.styled():
+        axes = _panels("world", ax, 1, view.aspect, False)
+        _draw_whole_level(axes[0], view, scene, results, run, levels, number)
+    return axes[0]
 
 
 # Levels --------------------------------------------------------------------------------------------------------------
@@ -337,7 +403,8 @@ def _level_colour(results: Results, strategy: str, number: int) -> str:
 
 
 def levels_of_world(document: Document, *, problem: Optional[str] = None, strategy: Optional[str] = None,
-                    seed: Seed = None, ax: Any = None) -> Any:
+                    seed: Seed = None, azimuth: Optional[float] = None, elevation: Optional[float] = None,
+                    ax: Any = None) -> Any:
     """What did each level search, and what did it hand up? A panel for each level, guides left of what they guide, the
     robot's own level last: its proposals, its tree or graph, and the last path that it found; above it its validity
     checks, and how often it searched. Twelve levels at most: those next to the robot's.
@@ -346,37 +413,44 @@ def levels_of_world(document: Document, *, problem: Optional[str] = None, strate
     problem:  the name of a problem (default the first with a world).
     strategy: the name of a strategy (default the cheapest with guides).
     seed:     of the run (default the first solved one).
-    ax:       axes to draw in, one for each level (default those of a new figure: 178 mm wide, of two narrow ones 86 mm).
+    azimuth, elevation: of the camera in space, in degrees (default those of the document).
+    ax:       axes to draw in, one for each level (default those of a new figure: 178 mm wide, of two narrow ones 86).
 
     Returns the axes: one, or an array of several. Raises `Error` as `world` does, and where there are no samples.
     """
     results = read(document)
-    scene = chosen_scene(results, problem)
+    scene = chosen_scene(results, problem, azimuth, elevation)
     name = best(results, scene.name, guided=True) if strategy is None else results.chosen([strategy])[0]
     run = chosen_run(results, scene.name, name, seed, samples=True)
     levels = levels_of(results, run, scene) or []
     shown = list(reversed(range(min(len(levels), _LEVELS))))
-    guided = {level.parent for level in levels}
     path = path_of(run)
     view = whole_view(scene, [] if path is None else [path])
     with _style.styled():
         axes = _panels("levels_of_world", ax, len(shown), view.aspect, True, gap=6.0)
         for one, number in zip(axes, shown):
-            level, entry = levels[number], run["levels"][number]
-            colour = _level_colour(results, name, number)
-            view.begin(one)
-            _draw_level(one, view, level, colour, _colours(scene))
-            if level.path is not None and len(level.path):
-                _draw_path(one, view, scene, level.path, level)
-            _draw_ends(one, view, scene, path_of(run))
-            title = level.planner if number == 0 else _style.short_guide(level.name)
-            searches = f", {entry['solves']} searches" if entry["solves"] > 1 else ""
-            line = f"{_spelled(level.space_name)}: {_checks(entry)}{searches}"
-            if not level.traces:
-                line += ", no position to draw"
-            _heading(one, (">> " if number in guided else "") + title, line, INK if number else colour,
-                     _style.size_of(one)[0])
+            _draw_whole_level(one, view, scene, results, run, levels, number)
     return _style.returned(axes)
+
+
+def _draw_whole_level(one: Any, view: View, scene: Scene, results: Results, run: Run, levels: Sequence[Level],
+                      number: int) -> None:
+    """A level with its path and its heading."""
+    level, entry = levels[number], run["levels"][number]
+    colour = _level_colour(results, run["strategy"], number)
+    path = path_of(run)
+    view.begin(one, _bodies(scene, path, colour) if number == 0 and len(levels) == 1 else [])
+    _draw_level(one, view, level, colour, _colours(scene))
+    if level.path is not None and len(level.path):
+        _draw_path(one, view, scene, level.path, level)
+    _draw_ends(one, view, scene, path)
+    title = level.planner if number == 0 else _style.short_guide(level.name)
+    searches = f", {entry['solves']} searches" if entry["solves"] > 1 else ""
+    line = f"{_spelled(level.space_name)}: {_checks(entry)}{searches}"
+    if not level.traces:
+        line += ", no position to draw"
+    guided = any(other.parent == number for other in levels)
+    _heading(one, (">> " if guided else "") + title, line, INK if number else colour, _style.size_of(one)[0])
 
 
 # Strip ---------------------------------------------------------------------------------------------------------------
@@ -398,7 +472,7 @@ def _swept(scene: Scene, view: View, rows: Array) -> Tuple[Array, Array]:
 
 
 def strip(document: Document, *, problem: Optional[str] = None, strategy: Optional[str] = None, seed: Seed = None,
-          frames: int = 6, ax: Any = None) -> Any:
+          frames: int = 6, azimuth: Optional[float] = None, elevation: Optional[float] = None, ax: Any = None) -> Any:
     """How does the robot move? Frames at equal steps along the path, of a team at equal times, from left to right: the
     robot filled, outlines of it since the frame before, and the trace of its reference point, of an arm of its tip. The
     frames show the part of the world that the robot sweeps.
@@ -408,6 +482,7 @@ def strip(document: Document, *, problem: Optional[str] = None, strategy: Option
     strategy: the name of a strategy (default the cheapest that is no baseline and has a path).
     seed:     of the run (default the first solved one).
     frames:   their number, at least 2 (default 6).
+    azimuth, elevation: of the camera in space, in degrees (default those of the document).
     ax:       axes to draw in, one for each frame (default those of a new figure, 178 mm wide).
 
     Returns the axes, an array. Raises `Error` as `world` does, and for a run without a path.
@@ -415,7 +490,7 @@ def strip(document: Document, *, problem: Optional[str] = None, strategy: Option
     if frames < 2:
         raise Error(f"strip: at least 2 frames are needed, got {frames}")
     results = read(document)
-    scene = chosen_scene(results, problem)
+    scene = chosen_scene(results, problem, azimuth, elevation)
     name = best(results, scene.name) if strategy is None else results.chosen([strategy])[0]
     run = chosen_run(results, scene.name, name, seed, solved=True)
     path = path_of(run)
@@ -476,7 +551,7 @@ def supported_pictures(results: Results) -> Dict[str, List[Dict[str, str]]]:
     found: Dict[str, List[Dict[str, str]]] = {"world": [], "levels_of_world": [], "strip": []}
     for problem in pictured(results):
         names = [name for name in results.strategies if results.runs(problem, name)]
-        if names:
+        if names or not any(results.runs(None, name) for name in results.strategies):
             found["world"].append({"problem": problem})
         for name in names:
             if results.guided(name) and any(has_samples(results, run) for run in results.runs(problem, name)):
