@@ -91,7 +91,7 @@ set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
-    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libreadline-dev, libsqlite3-dev, libtinyxml2-dev, libyaml-cpp-dev, pkgconf")
+    "libboost-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libreadline-dev, libsqlite3-dev, libtinyxml2-dev, libyaml-cpp-dev, pkgconf")
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SUGGESTS catch2)
 set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
     "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\

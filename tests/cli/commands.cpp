@@ -98,20 +98,17 @@ TEST_CASE("a page is written where it is asked for") {
   CHECK(page.ends_with("</html>\n"));
 }
 
-TEST_CASE("the command line asks for ablations, other paths and figures", "[slow]") {
+TEST_CASE("the command line asks for ablations and other paths", "[slow]") {
   const Place place;
   place.script("guided.lua",
                "return experiment { problems = scenes.cup(), seeds = 2, measure = tube { points = 256, pool = 1024 }, "
                "strategies = { guided = skeleton() >> rrt { step = 0.5 }, plain = rrt { step = 0.5 } } }");
-  const auto outcome =
-      place.run({"run", "guided.lua", "--ablate", "--cross", "0", "--json", "all.json", "--figures", "figures"});
+  const auto outcome = place.run({"run", "guided.lua", "--ablate", "--cross", "0", "--json", "all.json"});
   INFO(outcome.err);
   CHECK(outcome.status == 0);
   const std::string json = content(place / "all.json");
   CHECK(json.find("guided without skeleton") != std::string::npos);
   CHECK(json.find("plain without") == std::string::npos);
-  REQUIRE(fs::is_directory(place / "figures"));
-  CHECK_FALSE(fs::is_empty(place / "figures"));
 
   // One strategy with its ablations, and an ablation by its name.
   CHECK(place.run({"run", "guided.lua", "--strategy", "guided", "--ablate", "--cross", "0", "--json", "one.json"})
@@ -134,69 +131,51 @@ TEST_CASE("the command line asks for ablations, other paths and figures", "[slow
         "trellis: --cross: the script measures nothing (measure = false)\n");
 }
 
-TEST_CASE("figures are drawn of every strategy, in the palette asked for", "[slow]") {
+TEST_CASE("run --figures draws the figures of the document, and its tables", "[slow]") {
+  if (!trellis::test::draws_figures()) return;
   const Place place;
   place.script("guided.lua",
                "return experiment { problems = scenes.cup(), seeds = 2, measure = tube { points = 256, pool = 1024 }, "
                "strategies = { guided = skeleton() >> rrt { step = 0.5 }, rrt = rrt { step = 0.5 } } }");
-  const auto draw = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {"run", "guided.lua", "--quiet", "--figures"});
-    const auto outcome = place.run(more);
-    INFO(outcome.err);
-    CHECK(outcome.status == 0);
-    CHECK(outcome.out.empty());
-    CHECK(outcome.err.empty());
-  };
-  draw({"figures"});
-  for (const std::string strategy : {"guided", "rrt"}) {
-    for (const std::string picture : {"samples", "waterfall", "profile", "strip"}) {
-      for (const std::string format : {"svg", "png", "pdf"}) {
-        CHECK(fs::file_size(place / ("figures/cup/" + strategy + "/" + picture + "." + format)) > 0);
-      }
+  const auto outcome =
+      place.run({"run", "guided.lua", "--quiet", "--figures", "figures", "--json", "it.json", "--samples", "samples"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.empty());
+  CHECK(outcome.err.empty());
+  for (const std::string picture :
+       {"costs", "success", "ratios", "world-cup", "levels_of_world-cup-guided", "strip-cup"}) {
+    for (const std::string format : {"svg", "png", "pdf"}) {
+      CAPTURE(picture, format);
+      CHECK(fs::file_size(place / ("figures/" + picture + "." + format)) > 0);
     }
   }
-  for (const std::string picture : {"success", "ratios", "guided/plane"}) {
-    CHECK(fs::file_size(place / ("figures/cup/" + picture + ".pdf")) > 0);
+  CHECK(content(place / "figures/costs.tex").find("\\toprule") != std::string::npos);
+  // The same bytes from the stored document.
+  REQUIRE(place.run({"report", "it.json", "--figures", "again"}).status == 0);
+  for (const auto& entry : fs::directory_iterator(place / "figures")) {
+    const std::string name = entry.path().filename().string();
+    CAPTURE(name);
+    const bool same = content(place / ("again/" + name)) == content(entry.path());
+    CHECK(same);
   }
-  CHECK(fs::exists(place / "figures/cup/guided/levels.pdf"));
-  CHECK_FALSE(fs::exists(place / "figures/cup/rrt/levels.pdf"));
-  draw({"safe", "--palette", "safe", "--jobs", "2"});
-  draw({"paper", "--palette", "paper"});
-  const std::string file = "/cup/guided/samples.svg";
-  const bool same = content(place / ("safe" + file)) == content(place / ("figures" + file));
-  const bool painted = content(place / ("paper" + file)) != content(place / ("figures" + file));
-  CHECK(same);
-  CHECK(painted);
+}
 
-  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--palette", "papr"}).err ==
-        "trellis: --palette: there are safe and paper, got 'papr' (did you mean 'paper'?)\n");
-  CHECK(place.run({"run", "guided.lua", "--palette", "paper"}).err ==
-        "trellis: --palette: nothing is drawn without --figures\n");
-  CHECK_FALSE(fs::exists(place / "more"));
-
-  // As papers want them: 86 mm wide, in serifs, their titles in a text file.
-  draw({"column", "--column", "86", "--untitled", "--serif", "--scalebar"});
-  CHECK(content(place / "column/cup/success.svg").find("width=\"243.7") != std::string::npos);
-  CHECK(content(place / "column/cup/success.txt").starts_with("cup: runs that found a path over what they cost\n\n"));
-  CHECK_FALSE(fs::exists(place / "figures/cup/success.txt"));
-  const bool reset = content(place / ("column" + file)) != content(place / ("figures" + file));
-  CHECK(reset);
-  CHECK(place.run({"run", "guided.lua", "--serif"}).err ==
-        "trellis: --column, --untitled, --serif and --scalebar: nothing is drawn without a folder\n");
-  CHECK(place.run({"run", "guided.lua", "--azimuth", "20"}).err ==
-        "trellis: --azimuth and --elevation: nothing is drawn without a folder\n");
-  CHECK(place.run({"run", "guided.lua", "--panels", "time"}).err ==
-        "trellis: --panels and --curves: nothing is drawn without a folder\n");
-  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--elevation", "91"}).err ==
-        "trellis: --elevation must be a number of at most 90, got 91\n");
-  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--column", "9999"}).err ==
-        "trellis: --column: at most 400 mm, got 9999\n");
-  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--column", "9"}).status == 2);
-  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--format", "latex"}).err ==
-        "trellis: --format: no table is written without --out\n");
-  CHECK(place.run({"run", "guided.lua", "--out", "more", "--format", "latx"}).err ==
-        "trellis: --format: there are markdown and latex, got 'latx' (did you mean 'latex'?)\n");
-  CHECK_FALSE(fs::exists(place / "more"));
+TEST_CASE("without matplotlib a run says what to install, and goes on") {
+  const Place place;
+  place.script("plain.lua",
+               "return experiment { problems = scenes.cup(), seeds = 1, measure = false, strategies = { rrt {} } }");
+  const auto outcome =
+      place.shell("TRELLIS_PYTHON=false $T run plain.lua --figures figures --html page.html --json it.json");
+  CHECK(outcome.status == 2);
+  CHECK(outcome.err.ends_with(
+      "trellis: figures are drawn by Python 3 with matplotlib and pandas: install "
+      "python3-matplotlib and python3-pandas (Debian), or set TRELLIS_PYTHON to a Python that has them\n"));
+  CHECK_FALSE(outcome.out.empty());
+  CHECK(content(place / "page.html").ends_with("</html>\n"));
+  CHECK(fs::exists(place / "it.json"));
+  CHECK(place.shell("TRELLIS_PYTHON=/no/such/python $T report it.json --figures figures")
+            .err.find("install python3-matplotlib") != std::string::npos);
 }
 
 TEST_CASE("the samples do not depend on the number of jobs, or on the day") {
@@ -242,9 +221,7 @@ TEST_CASE("wrong usage ends with 2 and one message") {
                                                        {"run", "quick.lua", "--cross", "all"},
                                                        {"run", "quick.lua", "--figures", ""},
                                                        {"run", "quick.lua", "--html", ""},
-                                                       {"run", "quick.lua", "--palette", "safe"},
                                                        {"run", "quick.lua", "--figures", "new", "--palette", "blue"},
-                                                       {"run", "quick.lua", "--figures", "new", "--palette", ""},
                                                        {"run", "quick.lua", "--ablate"},
                                                        {"check"},
                                                        {"help", "shrnik"}};
@@ -678,7 +655,7 @@ TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {
   }
 }
 
-TEST_CASE("a folder gets the tables, the document, the page and the figures", "[slow]") {
+TEST_CASE("a folder gets the tables, the document, the page and the samples", "[slow]") {
   const Place place;
   place.script(
       "pair.lua",
@@ -695,22 +672,10 @@ TEST_CASE("a folder gets the tables, the document, the page and the figures", "[
   CHECK(Json::parse(content(place / "here/results.json"))["runs"].size() == 8);
   for (const std::string problem : {"cup", "trap"}) {
     for (const std::string strategy : {"guided", "rrt"}) {
-      CHECK(fs::file_size(place / ("here/figures/" + problem + "/" + strategy + "/samples.svg")) > 0);
+      CHECK(fs::file_size(place / ("here/samples/" + problem + "/" + strategy + "/seed-1/run.json")) > 0);
     }
   }
-  for (const std::string picture : {"cup/success", "trap/ratios", "ratios"}) {
-    CHECK(fs::file_size(place / ("here/figures/" + picture + ".svg")) > 0);
-  }
-  // Problem by problem or all at once, on one thread or many, the figures are the same.
-  CHECK(place.run({"run", "pair.lua", "--quiet", "--out", "there", "--jobs", "2", "--format", "latex"}).status == 0);
-  CHECK(content(place / "there/table.tex").find("\\toprule") != std::string::npos);
-  CHECK_FALSE(fs::exists(place / "there/table.md"));
-  // The costs of the same document, in LaTeX too.
-  CHECK(
-      place.run({"report", "there/results.json", "--baseline", "rrt", "--out", "costs", "--format", "latex"}).status ==
-      0);
-  CHECK(content(place / "costs/table.tex").find("\\bottomrule") != std::string::npos);
-  CHECK(fs::file_size(place / "costs/figures/cup/success.svg") > 0);
+  CHECK(place.run({"run", "pair.lua", "--quiet", "--out", "there", "--jobs", "2"}).status == 0);
   CHECK(content(place / "here/table.csv") == content(place / "there/table.csv"));
 }
 
@@ -725,7 +690,7 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   text.replace(text.find("step = 0.001"), 12, "step = 0.1");
   place.script("two.lua", text);
   const pid_t child = place.start({"run", "two.lua", "--out", "kept"});
-  for (int i = 0; i < 600 && !fs::exists(place / "kept/figures/cup/rrt/samples.svg"); ++i) {
+  for (int i = 0; i < 600 && content(place / "kept/scores.jsonl").find("cup") == std::string::npos; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -742,9 +707,8 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   std::vector<std::string> left;
   for (const auto& entry : fs::directory_iterator(place / "kept")) left.push_back(entry.path().filename().string());
   std::sort(left.begin(), left.end());
-  CHECK(left == std::vector<std::string>{"figures", "manifest.json", "report.html", "results.json", "runs.csv",
-                                         "runs.jsonl", "samples", "scores.jsonl", "table.csv", "table.md"});
-  CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
+  CHECK(left == std::vector<std::string>{"manifest.json", "report.html", "results.json", "runs.csv", "runs.jsonl",
+                                         "samples", "scores.jsonl", "table.csv", "table.md"});
 }
 
 TEST_CASE("a report says where the planner alone solved the problem before its guides were set up") {
@@ -856,7 +820,7 @@ TEST_CASE("a folder where nothing was solved says so, and where to look") {
   CHECK_THAT(outcome.err, Contains("trellis: wall: no run of any strategy found a path, so there is no target and no "
                                    "efficiency; give the planners more `proposals`"));
   CHECK(content(place / "kept/table.md").find("**wall**: no run found a path") != std::string::npos);
-  CHECK(fs::file_size(place / "kept/figures/wall/rrt/samples.svg") > 0);
+  CHECK(fs::file_size(place / "kept/samples/wall/rrt/seed-1/run.json") > 0);
 
   place.script("file", "");
   const auto blocked = place.run({"run", "hopeless.lua", "--out", "file"});

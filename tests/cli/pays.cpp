@@ -63,8 +63,8 @@ TEST_CASE("scripts/pays writes tables and figures of the worlds and strategies t
   CHECK(lines_of(content(out + "/table.csv")).size() == 1 + 2 * 4 + 2 * 2);
   CHECK(fs::exists(out + "/results/cup.json"));
   for (const std::string format : {"svg", "png"}) {
-    CHECK(fs::exists(out + "/figures/baseline." + format));
-    CHECK(fs::exists(out + "/figures/own_planner." + format));
+    CHECK(fs::exists(out + "/figures/ratios." + format));
+    CHECK(fs::exists(out + "/figures/ratios-own_planner." + format));
   }
   CHECK(content(place / "pays.out").find("costs divided by those of rrt_connect, 1 problem, 1 seed") !=
         std::string::npos);

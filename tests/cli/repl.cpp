@@ -418,13 +418,15 @@ TEST_CASE("a picture of a run is written") {
   const Place place;
   Sitting sitting(place);
   sitting.enter("plan(rrt {})");
+  CHECK_THAT(sitting.enter("plot 'run.gif'"), Contains("ends with .svg, .png or .pdf"));
+  if (!trellis::test::draws_figures()) return;
   CHECK_THAT(sitting.enter("plot 'run.svg'"), Contains("run.svg written"));
   CHECK_THAT(content(place / "run.svg"), Contains("<svg"));
-  CHECK_THAT(sitting.enter("plot 'run.gif'"), Contains("ends with .svg, .png or .pdf"));
   CHECK_THAT(sitting.enter("plot(3)"), Contains("the levels 0 to 0, got 3"));
 }
 
 TEST_CASE("a run in space is drawn as edges from a corner, and written as a picture") {
+  if (!trellis::test::draws_figures()) return;
   const Place place;
   const Piped piped =
       pipe(place,
@@ -449,13 +451,14 @@ TEST_CASE("a run in space is drawn as edges from a corner, and written as a pict
   trellis::test::check_golden("plot_space.txt", piped.out.substr(begin, piped.out.find('\n', end) + 1 - begin));
   CHECK_THAT(piped.out,
              Contains("level 1, workspace(0): ") && Contains("a world of 10 m x 10 m x 4 m from azimuth -60"));
-  CHECK_THAT(content(place / "hall.svg"), Contains("<svg"));
   CHECK_THAT(piped.out, Contains("a world of 10 m x 10 m x 4 m from azimuth 15"));
+  CHECK_THAT(content(place / "hall.svg"), Contains("<svg"));
   CHECK_THAT(content(place / "turned.svg"), Contains("<svg"));
   CHECK(content(place / "turned.svg") != content(place / "hall.svg"));
 }
 
 TEST_CASE("plot draws each robot of a team with its start, goal and path") {
+  if (!trellis::test::draws_figures()) return;
   const Place place;
   const Piped piped = pipe(place,
                            "r = problem { world = world { bounds = {0, 0, 10, 10} }, robot = robots { "
@@ -474,8 +477,7 @@ TEST_CASE("plot draws each robot of a team with its start, goal and path") {
   CHECK_THAT(piped.out, Contains("level 2, robot 1: "));
   // The colours of the three paths.
   const std::string svg = content(place / "team.svg");
-  for (const char* colour : {"rgb(0%,44.705882%", "rgb(83.529412%", "rgb(0%,61.960784%"})
-    CHECK_THAT(svg, Contains(colour));
+  for (const char* colour : {"#0072b2", "#d55e00", "#009e73"}) CHECK_THAT(svg, Contains(colour));
 }
 
 TEST_CASE("a view of plot is one of a problem in space, in degrees") {

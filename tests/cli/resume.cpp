@@ -109,23 +109,14 @@ TEST_CASE("a run that is killed at random ends with the bytes of one that is not
   }
 }
 
-TEST_CASE("a run takes stored scores and figures, and only what is missing is made again", "[slow]") {
+TEST_CASE("a run takes stored scores, and only what is missing is made again", "[slow]") {
   const Runs it;
   REQUIRE(it.run("made").status == 0);
   const std::string before = it.text("made/results.json");
   const std::string page = it.text("made/report.html");
-  const std::string picture = it.text("made/figures/cup/success.svg");
-  REQUIRE_FALSE(picture.empty());
-  const auto drawn = fs::last_write_time(it.place / "made/figures/cup/plain/samples.svg");
-  fs::remove(it.place / "made/figures/cup/success.svg");
   REQUIRE(it.run("made").status == 0);
   CHECK(it.text("made/results.json") == before);
   CHECK(it.text("made/report.html") == page);
-  CHECK(it.text("made/figures/cup/success.svg") == picture);
-  CHECK(fs::last_write_time(it.place / "made/figures/cup/plain/samples.svg") == drawn);
-  fs::remove(it.place / "made/figures/cup/plain/samples.svg");
-  REQUIRE(it.run("made").status == 0);
-  CHECK(fs::exists(it.place / "made/figures/cup/plain/samples.svg"));
 
   // A stored score is not computed again.
   std::string scores = it.text("made/scores.jsonl");

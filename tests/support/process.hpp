@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/catch.hpp"
+
 namespace trellis::test {
 
 namespace fs = std::filesystem;
@@ -30,6 +32,16 @@ struct Outcome {
   std::string err;
   long most_memory = 0;  ///< KiB, the peak memory of the process
 };
+
+/// Whether a Python with what figures need is there, as the program looks for one; says aloud that a test is skipped.
+inline bool draws_figures() {
+  constexpr const char* command =
+      "for python in ${TRELLIS_PYTHON:-python3 /usr/bin/python3}; do "
+      "$python -c 'import numpy, matplotlib, pandas' 2>/dev/null && exit; done; exit 1";
+  static const bool draws = std::system(command) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+  if (!draws) WARN("skipped: figures need matplotlib and pandas (python3-matplotlib, python3-pandas)");
+  return draws;
+}
 
 /// A temporary folder of each test.
 class Place {

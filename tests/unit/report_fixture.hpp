@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
-#include <trellis/figures/html.hpp>
+#include <trellis/page/html.hpp>
 #include <trellis/pictures/packed_run.hpp>
 #include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/report.hpp>

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -13,11 +12,9 @@
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
-#include <trellis/report/views/latex.hpp>
 #include <trellis/report/words.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
-#include "support/folder.hpp"
 #include "support/golden.hpp"
 
 using namespace trellis;
@@ -152,50 +149,6 @@ TEST_CASE("no table prints a divergence below what is possible, but its bound", 
   }
 }
 
-TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each row", "[report]") {
-  const auto [experiment, result] = three_strategies();
-  const std::string text = latex(fixture::report_markdown(experiment, result));
-  const auto count = [&](const std::string& part) {
-    std::size_t n = 0;
-    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
-    return n;
-  };
-  CHECK(count("\\toprule") > 5);
-  CHECK(count("\\toprule") == count("\\midrule"));
-  CHECK(count("\\toprule") == count("\\bottomrule"));
-  CHECK(count("\\begin{tabular}") == count("\\end{tabular}"));
-  std::size_t columns = 0;
-  for (const std::string& line : lines_of(text)) {
-    if (line.starts_with("\\begin{tabular}{")) columns = line.size() - std::string("\\begin{tabular}{}").size();
-    if (line.starts_with("\\end{tabular}")) columns = 0;
-    if (columns == 0 || !line.ends_with(" \\\\")) continue;
-    std::size_t cells = 1;
-    for (std::size_t i = 1; i < line.size(); ++i) cells += line[i] == '&' && line[i - 1] != '\\' ? 1 : 0;
-    INFO(line);
-    CHECK(cells == columns);
-  }
-}
-
-TEST_CASE("what LaTeX would take for a sign of its own is written as text", "[report]") {
-  const std::string text =
-      latex("## 5 % of `a_b` & c\n\n| x\\|y | **no** |\n|---|---|\n| 1<br>2 | ± {3} |\n| [a] | 4<br>[5, 6] |\n");
-  // LaTeX would take "[" after a line break for its option.
-  CHECK(text.find("4 \\\\ {}[5, 6]") != std::string::npos);
-  CHECK(text.find("\n{}[a] & ") != std::string::npos);
-  CHECK(text.find("\\textbf{5 \\% of \\texttt{a\\_b} \\& c}") != std::string::npos);
-  CHECK(text.find("x$|$y & \\textbf{no} \\\\\n\\midrule") != std::string::npos);
-  CHECK(text.find("\\begin{tabular}[t]{@{}r@{}}1 \\\\ 2\\end{tabular} & $\\pm$ \\{3\\} \\\\") != std::string::npos);
-}
-
-TEST_CASE("tables in LaTeX add no section to the document that reads them", "[report]") {
-  const auto [experiment, result] = three_strategies();
-  const std::string text = latex(fixture::report_markdown(experiment, result) + "\n### Deeper\n\n#### Deepest\n");
-  CHECK(text.find("section") == std::string::npos);
-  CHECK(text.find("% Sampling efficiency\n") != std::string::npos);
-  CHECK(text.find("\\textbf{SE, own path}") != std::string::npos);
-  CHECK(text.find("\\textbf{Deeper}") != std::string::npos);
-}
-
 TEST_CASE("solved runs, checks and times have their intervals in the tables", "[report]") {
   const auto [experiment, result] = three_strategies();
   const RunsSummary summary = fixture::summary_of(result, "simple_passage", "rrt");
@@ -263,24 +216,4 @@ TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
       if (!cells[name].empty()) CHECK(std::stod(cells[name]) == value);
     }
   }
-}
-
-TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") {
-  const auto succeeds = [](const std::string& command) {
-    return std::system((command + " >/dev/null 2>&1").c_str()) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
-  };
-  if (!succeeds("kpsewhich booktabs.sty && command -v pdflatex")) {
-    WARN("skipped: pdflatex with booktabs is not installed (texlive-latex-recommended)");
-    return;
-  }
-  const auto [experiment, result] = three_strategies();
-  const test::Folder place;
-  const auto document = [](const std::string& body) {
-    return "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n" + body +
-           "\\end{document}\n";
-  };
-  static_cast<void>(place.write("table.tex", document(latex(fixture::report_markdown(experiment, result)))));
-  const std::string cd = "cd '" + place.path().string() + "' && ";
-  CHECK(succeeds(cd + "pdflatex -interaction=nonstopmode -halt-on-error table.tex"));
-  CHECK(succeeds(cd + "! grep -q 'Overfull .hbox' table.log"));
 }

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures the estimators' errors for known divergences, and writes the results: a section of Markdown on stdout,
-// pictures into a folder. scripts/verify-measure puts the section into docs/measure.md.
+// Measures the estimators' errors for known divergences, and prints the results: a section of Markdown.
+// scripts/verify-measure puts the section into docs/measure.md.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <thread>
 
 #include <trellis/base/parallel.hpp>
-#include <trellis/draw/chart.hpp>
 #include <trellis/experiment/experiment.hpp>
 
 #include "support/worlds.hpp"
@@ -96,29 +94,9 @@ Measured measure(const Case& c, std::size_t n, std::size_t repetitions, const Es
 std::string signed_text(double x) { return fmt::format("{:+.3f}", x); }
 std::string truth_text(double x) { return std::isinf(x) ? "inf" : fmt::format("{:.3f}", x); }
 
-draw::Series points(const std::string& name, const std::vector<double>& y, const std::vector<double>& half) {
-  draw::Series series;
-  series.kind = draw::Series::Kind::points;
-  series.name = name;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    series.x.push_back(static_cast<double>(i));
-    series.y.push_back(y[i]);
-    series.lo.push_back(y[i] - half[i]);
-    series.hi.push_back(y[i] + half[i]);
-  }
-  return series;
-}
-
-void save(const draw::Figure& figure, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << draw::plot(figure).render(draw::Format::svg);
-  if (!file.flush()) throw Error("cannot write " + path);
-}
-
 struct Report {
   std::string text;
   std::string requirements;
-  std::string folder;
   std::size_t repetitions = 200;
   bool passed = true;
 
@@ -143,16 +121,6 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
       "| case | D | SE | N = 300 | N = 1000 | N = 3000 | D inf at 1000 | flags at 1000 |\n"
       "|---|---|---|---|---|---|---|---|\n",
       report.repetitions);
-  draw::Figure figure;
-  figure.title = "Error of knn's SE where the truth is known";
-  figure.caption = fmt::format("Mean and standard deviation over {} repetitions.", report.repetitions);
-  figure.width = 640;
-  figure.columns = 1;
-  figure.share_x = true;
-  figure.share_y = true;
-  std::vector<std::vector<double>> bias(numbers.size());
-  std::vector<std::vector<double>> spread(numbers.size());
-  std::vector<std::string> names;
   for (const Case& c : cases) {
     std::string row =
         fmt::format("| {}: {} | {} | {} |", c.name, cell(c.what), truth_text(c.d), truth_text(c.d_regularised));
@@ -161,8 +129,6 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       const Measured m = measure(c, numbers[k], report.repetitions, knn);
       row += fmt::format(" {} ± {:.3f} |", signed_text(m.regularised.bias), m.regularised.spread);
-      bias[k].push_back(m.regularised.bias);
-      spread[k].push_back(m.regularised.spread);
       if (numbers[k] != 1000) continue;
       infinite = fmt::format("{}", m.plain.infinite);
       for (const auto& [flag, times] : m.regularised.flags)
@@ -177,22 +143,8 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
       }
     }
     report.text += fmt::format("{} {} | {} |\n", row, infinite, flags.empty() ? "-" : flags);
-    names.push_back(c.name);
   }
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    draw::Panel panel;
-    panel.title = fmt::format("N = {}", numbers[k]);
-    panel.x.categories = names;
-    panel.y.label = "error (nats)";
-    panel.references.push_back({0.0, ""});
-    // Half coverage lies far below: an arrow marks it.
-    panel.y.lo = -0.35;
-    panel.y.hi = 0.2;
-    panel.series.push_back(points("", bias[k], spread[k]));
-    figure.panels.push_back(std::move(panel));
-  }
-  save(figure, report.folder + "/measure_errors.svg");
-  report.text += "\n![errors](figures/measure_errors.svg)\n\n";
+  report.text += '\n';
 }
 
 void estimator_table(Report& report, const std::vector<Case>& cases) {
@@ -494,15 +446,11 @@ void supported_table(Report& report) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fputs("usage: verify_measure FOLDER [REPETITIONS [supported]]\n", stderr);
-    return 2;
-  }
+  // [REPETITIONS [supported]]
   Report report;
-  report.folder = argv[1];
-  if (argc > 2) report.repetitions = static_cast<std::size_t>(std::max(20, std::atoi(argv[2])));
+  if (argc > 1) report.repetitions = static_cast<std::size_t>(std::max(20, std::atoi(argv[1])));
   // The last section alone.
-  const bool alone = argc > 3 && std::string_view(argv[3]) == "supported";
+  const bool alone = argc > 2 && std::string_view(argv[2]) == "supported";
   if (alone) {
     supported_table(report);
     std::printf("| required | holds |\n|---|---|\n%s\n%s", report.requirements.c_str(), report.text.c_str());

@@ -16,11 +16,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/printable.hpp>
 #include <trellis/draw/braille.hpp>
-#include <trellis/draw/canvas.hpp>
-#include <trellis/draw/page.hpp>
-#include <trellis/draw/palette.hpp>
-#include <trellis/draw/spatial.hpp>
-#include <trellis/draw/worlds.hpp>
+#include <trellis/draw/camera.hpp>
 #include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/pictures/traces.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -48,7 +44,6 @@ struct Sketch {
   std::vector<std::vector<Point>> paths;  ///< of each robot
   std::vector<Point> starts;
   std::vector<Point> goals;
-  std::vector<draw::Colour> colours;  ///< of the robots of a team
   std::string caption;
 };
 
@@ -228,10 +223,6 @@ Sketch sketch_of(const Run& run, std::size_t level, const PlotView& from) {
     }
     sketch.starts.push_back(at(record.start, robot));
     sketch.goals.push_back(at(record.goal, robot));
-    if (const Scene* root = run.result().levels.front().record.scene.get();
-        root != nullptr && root->members().size() > 1) {
-      sketch.colours.push_back(draw::palette::robot(robot < traces.size() ? traces[robot].robot : robot));
-    }
   }
   sketch.caption = fmt::format(
       "level {}, {}: {}, {} of {} led to none{}", level, record.name, counted(nodes, "node"), failed,
@@ -259,13 +250,9 @@ constexpr draw::Ink256 path_ink_of(std::size_t robot) {
 constexpr draw::Ink256 robot_ink = {.colour = 36, .rank = 4};
 constexpr draw::Ink256 end_ink = {.colour = 15, .rank = 5};
 
-// As a picture -------------------------------------------------------------------------------------------------------
-
-draw::Format format_of(const std::string& path) {
+std::string ending_of(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
-  if (ending == ".svg") return draw::Format::svg;
-  if (ending == ".png") return draw::Format::png;
-  if (ending == ".pdf") return draw::Format::pdf;
+  if (ending == ".svg" || ending == ".png" || ending == ".pdf") return ending;
   throw Error(fmt::format("plot: a picture's name ends with .svg, .png or .pdf, got '{}'", path));
 }
 
@@ -343,104 +330,17 @@ std::string plot_text(const Run& run, std::size_t level, const Screen& screen, c
   return out;
 }
 
-namespace {
-
-/// Returns a level of a run in space as a picture.
-draw::Canvas spatial_picture(const Run& run, std::size_t level, const PlotView& view) {
-  const LevelRecord& record = run.result().levels.at(level).record;
-  const auto at = [&](View q) { return position_in(record, q); };
-  Problem problem;
-  problem.scene = record.scene;
-  const bool stands = record.space.dimension() >= record.scene->robot_dimension();
-  if (stands) {
-    problem.start = record.start;
-    problem.goals = {record.goal};
-  }
-  draw::SpatialFigure figure = spatial_frame(problem);
-  const draw::Point3 size = figure.hi - figure.lo;
-  figure.camera = camera_of(figure.lo, figure.hi, view);
-  figure.cell = std::max({size.x, size.y, size.z});
-  figure.columns = 1;
-  figure.strong_path = true;
-  constexpr double width = 440.0;
-  figure.width = width;
-  draw::SpatialPanel panel{.title = outcome_text(run)};
-  const Search& search = record.search;
-  for (std::size_t i = 0; i < search.nodes.size(); ++i) {
-    const std::uint32_t parent = i < search.parents.size() ? search.parents[i] : no_node;
-    if (parent != no_node && parent != i) panel.tree.emplace_back(at(search.nodes[parent]), at(search.nodes[i]));
-  }
-  for (const auto& [a, b] : search.edges) panel.tree.emplace_back(at(search.nodes[a]), at(search.nodes[b]));
-  for (std::size_t i = 0; i < search.proposals.size(); ++i) {
-    if (i < search.fates.size() && search.fates[i] == Fate::rejected) panel.failed.push_back(at(search.proposals[i]));
-  }
-  const Configurations& path = record.solution.path;
-  if (record.solution.solved()) {
-    for (std::size_t robot = 0; robot < positions_in(record, path[0]).size(); ++robot) {
-      std::vector<draw::Point3> curve;
-      for (std::size_t i = 0; i < path.size(); ++i) curve.push_back(positions_in(record, path[i])[robot]);
-      panel.paths.push_back(std::move(curve));
-    }
-  }
-  figure.panels.push_back(std::move(panel));
-  const std::string caption = sketch_of(run, level, view).caption;
-  figure.caption = figure.caption.empty() ? caption : caption + ". " + figure.caption;
-  return draw::plot(figure);
-}
-
-}  // namespace
-
 std::string plot_picture(const Run& run, std::size_t level, const std::string& path, const PlotView& view) {
-  const draw::Format format = format_of(path);
-  if (has_positions(run.result().levels.at(level).record)) return spatial_picture(run, level, view).render(format);
-  const Sketch sketch = sketch_of(run, level, view);
-  namespace page = draw::page;
-  namespace palette = draw::palette;
-  const double wide = sketch.bounds.hi.x - sketch.bounds.lo.x;
-  const double high = sketch.bounds.hi.y - sketch.bounds.lo.y;
-  constexpr double longer_side = 420.0;  // points
-  constexpr std::size_t most_lines = 4;
-  const double scale = longer_side / std::max(wide, high);
-  const double width = std::max(0.5 * longer_side, scale * wide);
-  const auto title = page::wrapped(outcome_text(run), width, page::label_font, most_lines);
-  const auto caption = page::wrapped(sketch.caption, width, page::caption_font, most_lines);
-  const double top = page::border + page::block_height(title, page::label_font) + page::border;
-  const double bottom = top + scale * high;
-  draw::Canvas canvas(width + 2.0 * page::border,
-                      bottom + 2.0 * page::border + page::block_height(caption, page::caption_font));
-  canvas.fill(draw::Path::rectangle({0.0, 0.0, canvas.width(), canvas.height()}), palette::paper);
-  page::block(canvas, title, {page::border, page::border}, {.font = page::label_font, .colour = palette::ink});
-  page::block(canvas, caption, {page::border, bottom + page::border},
-              {.font = page::caption_font, .colour = palette::muted});
-  const draw::Rect world{page::border, top, scale * wide, scale * high};
-  const auto at = [&](Point p) {
-    return Point{world.x + scale * (p.x - sketch.bounds.lo.x), world.bottom() - scale * (p.y - sketch.bounds.lo.y)};
-  };
-  const auto all_at = [&](std::vector<Point> points) {
-    std::transform(points.begin(), points.end(), points.begin(), at);
-    return points;
-  };
-  {
-    const auto clip = canvas.clip(draw::Path::rectangle(world));
-    for (const auto& obstacle : sketch.obstacles) canvas.fill(draw::Path::polygon(all_at(obstacle)), palette::rest);
-    for (const Point p : sketch.failed) canvas.fill(draw::Path::circle(at(p), 0.9), palette::orange.faded(0.6));
-    for (const auto& [a, b] : sketch.edges)
-      canvas.line(at(a), at(b), {.colour = palette::blue.faded(0.6), .width = 0.5});
-    for (const Point p : sketch.nodes) canvas.fill(draw::Path::circle(at(p), 0.8), palette::blue);
-    for (const auto& part : sketch.robots) {
-      canvas.stroke(draw::Path::polygon(all_at(part)), {.colour = palette::ink, .width = 0.9});
-    }
-    for (std::size_t robot = 0; robot < sketch.paths.size(); ++robot) {
-      if (sketch.paths[robot].size() < 2) continue;
-      const draw::Colour colour = sketch.colours.empty() ? palette::vermillion : sketch.colours[robot];
-      canvas.stroke(draw::Path::polyline(all_at(sketch.paths[robot])), {.colour = colour, .width = 1.6});
-    }
-    constexpr double end_radius = 2.4;
-    for (const Point p : sketch.starts) draw::draw_end(canvas, at(p), end_radius, true);
-    for (const Point p : sketch.goals) draw::draw_end(canvas, at(p), end_radius, false);
-  }
-  canvas.stroke(draw::Path::rectangle(world), {.colour = palette::frame, .width = 0.7});
-  return canvas.render(format);
+  const std::string ending = ending_of(path);
+  // What cannot be drawn is refused as in characters.
+  static_cast<void>(sketch_of(run, level, view));
+  Experiment experiment;
+  experiment.problems = {run.problem};
+  experiment.strategies = {{run.strategy_name, run.strategy}};
+  experiment.seeds = {run.seed};
+  ExperimentResult result;
+  result.runs = {run.result()};
+  return picture_of(experiment, result, level, ending, view);
 }
 
 }  // namespace trellis::command

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 
+#include <dsl/command/figures.hpp>
 #include <dsl/command/repl/run.hpp>
 
 namespace trellis::command {
@@ -15,18 +15,12 @@ struct Screen {
   bool colour = false;
 };
 
-/// The direction from which a problem in space is seen, in degrees; none: the default of its world.
-struct PlotView {
-  std::optional<double> azimuth;
-  std::optional<double> elevation;
-};
-
 /// Draws a level of a run in characters: the world, the tree or roadmap, the rejected proposals, and the path.
 /// \throws Error for a level without a position in the plane or in space, and for a view of a level in the plane.
 std::string plot_text(const Run& run, std::size_t level, const Screen& screen, const PlotView& view = {});
 
 /// Draws the same as a picture and returns the bytes of its file. The file's extension selects the format: .svg, .png
-/// or .pdf. \throws Error for another extension, and as plot_text() does.
+/// or .pdf. \throws Error for another extension, without matplotlib of Python, and as plot_text() does.
 std::string plot_picture(const Run& run, std::size_t level, const std::string& path, const PlotView& view = {});
 
 }  // namespace trellis::command

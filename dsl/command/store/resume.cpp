@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include <trellis/base/error.hpp>
@@ -30,20 +28,6 @@ RunKey key_of(const Run& run) {
 }
 // No strategy has an empty name: these records are of a whole problem.
 RunKey pooled_key(const std::string& problem) { return {utf8(problem), "", 0}; }
-RunKey figures_key(const std::string& problem) { return {utf8(problem), "", 1}; }
-
-using Files = std::map<std::string, fs::file_time_type>;
-
-/// The files of a folder and of its folders, relative to it, with the times of their last change.
-Files files_in(const std::string& folder) {
-  Files files;
-  std::error_code ignored;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, ignored)) {
-    if (!entry.is_regular_file(ignored)) continue;
-    files[entry.path().lexically_relative(folder).string()] = entry.last_write_time(ignored);
-  }
-  return files;
-}
 
 }  // namespace
 
@@ -109,29 +93,6 @@ void Resume::pooled(const std::string& problem, const std::vector<PooledScores>&
   attempt([&] { scores_.append(pooled_key(problem), pooled_line(problem, pooled)); });
 }
 
-void Resume::draw(const std::string& problem, const std::string& style, const std::string& folder,
-                  const std::function<void()>& draw) {
-  const RunKey key = figures_key(problem);
-  const auto stored = scores_.find(key);
-  if (stored) {
-    const Json json = Json::parse(*stored);
-    const auto needed = json.at("files").get<std::set<std::string>>();
-    const Files present = files_in(folder);
-    const bool complete =
-        std::all_of(needed.begin(), needed.end(), [&](const std::string& name) { return present.contains(name); });
-    if (complete && json.at("style").get<std::string>() == style) return;
-  }
-  const Files before = files_in(folder);
-  draw();
-  std::set<std::string> files;
-  for (const auto& [name, time] : files_in(folder)) {
-    const auto old = before.find(name);
-    if (old == before.end() || old->second != time) files.insert(name);
-  }
-  const Json json = {{"problem", problem}, {"strategy", ""}, {"seed", 1}, {"style", style}, {"files", files}};
-  scores_.append(key, json.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
 void Resume::finish(const ExperimentFacts& experiment) {
   std::string runs;
   std::string scores;
@@ -145,7 +106,6 @@ void Resume::finish(const ExperimentFacts& experiment) {
     add_scores(key_of(run));
     if (i + 1 < experiment.runs.size() && experiment.runs[i + 1].problem == run.problem) continue;
     add_scores(pooled_key(run.problem));
-    add_scores(figures_key(run.problem));
   }
   write_file((fs::path(folder_) / runs_file).string(), runs);
   write_file((fs::path(folder_) / scores_file).string(), scores);

@@ -36,12 +36,6 @@ class Resume : public RunStore {
   void attempt(const std::function<void()>& write);
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
 
-  /// Calls `draw` unless an earlier process has finished it and no file of the folder is missing since.
-  /// \param style   the options that change the figures
-  /// \param folder  of the problem's figures
-  void draw(const std::string& problem, const std::string& style, const std::string& folder,
-            const std::function<void()>& draw);
-
   /// The runs with a record, and whether this process restored the scores of one.
   [[nodiscard]] std::size_t runs() const { return runs_.size(); }
   [[nodiscard]] bool restored() const { return restored_; }

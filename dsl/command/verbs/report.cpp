@@ -6,17 +6,18 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
-#include <dsl/command/figure_options.hpp>
+#include <dsl/command/figures.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/store/outputs.hpp>
-#include <dsl/command/verbs/stored_figures.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/figures/charts/costs_figures.hpp>
+#include <trellis/page/html.hpp>
+#include <trellis/pictures/stored_samples.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/records.hpp>
 
@@ -34,9 +35,8 @@ struct ReportOptions {
   bool by_name = false;  ///< strategies of one name may have other options in each file
   std::string out;       ///< the folder of the tables of costs, "" if not given
   std::string figures;   ///< a folder, "" if not given
-  std::optional<std::size_t> figure;
-  std::string html;  ///< a file, "" if not given
-  FigureOptions style;
+  std::string figure;    ///< a name, "" for all
+  std::string html;      ///< a file, "" if not given
 
   /// Whether the costs of strategies are printed.
   [[nodiscard]] bool costs() const {
@@ -56,8 +56,8 @@ std::vector<std::string> kinds_of_stored() {
 }
 
 void check(const ReportOptions& options) {
-  check_format(options.style, !options.out.empty());
-  if (options.figure && options.figures.empty()) throw Error("--figure: --figures FOLDER says where the figure goes");
+  if (!options.figure.empty() && options.figures.empty())
+    throw Error("--figure: --figures FOLDER says where the figure goes");
   if (options.costs() || !options.prints()) return;
   if (options.files.size() > 1) {
     throw Error(
@@ -72,7 +72,7 @@ void check(const ReportOptions& options) {
   }
 }
 
-void report_costs(const ReportOptions& options, const FigureStyle& style) {
+void report_costs(const ReportOptions& options) {
   OutputFolder out(options.out);
   CostData data;
   data.by_name = options.by_name;
@@ -88,27 +88,46 @@ void report_costs(const ReportOptions& options, const FigureStyle& style) {
   print_all(costs_text(data, baseline, width));
   if (options.out.empty()) return;
   const std::filesystem::path folder(options.out);
-  write_tables(options.style, options.out, costs_markdown(data, baseline));
+  write_file((folder / "table.md").string(), costs_markdown(data, baseline));
   write_file((folder / "table.csv").string(), costs_csv(data, baseline));
-  write_cost_figures(data, baseline, (folder / "figures").string(), style);
   out.keep();
+}
+
+/// Writes the page of a document, with replays where it has stored its samples.
+void write_page(const ReportOptions& options) {
+  if (options.files.size() != 1) {
+    throw Error("--html: the page is of one document, whose efficiencies it shows; those of several do not add up");
+  }
+  require_writable_file(options.html);
+  const std::string& file = options.files.front();
+  const ExperimentFacts facts = read_document(file);
+  require_format(facts, file);
+  std::optional<StoredSamples> samples;
+  if (!facts.samples.empty()) {
+    samples.emplace((std::filesystem::path(file).parent_path() / facts.samples).string(), facts);
+  }
+  write_html(facts, summarise(facts), samples ? &*samples : nullptr, options.html, {.document = file});
 }
 
 int report(const ReportOptions& options) {
   check(options);
-  const FigureStyle style = figure_style(options.style, !options.out.empty() || !options.figures.empty());
   if (options.prints()) {
     if (options.costs()) {
-      report_costs(options, style);
+      report_costs(options);
     } else {
       const ExperimentFacts facts = read_document(options.files.front());
       require_format(facts, options.files.front());
       print_report(summarise(facts), static_cast<ReportKind>(options.kind.value_or(0)), options.width);
     }
   }
-  if (!options.html.empty()) write_stored_page(options.files, options.html);
+  if (!options.html.empty()) write_page(options);
   if (!options.figures.empty()) {
-    draw_stored_figures({options.files, options.figure, options.baseline, options.figures}, style);
+    for (const std::string& file : options.files) static_cast<void>(read_document(file));
+    OutputFolder folder(options.figures);
+    const std::string files =
+        draw_figures(options.files, options.figures, options.figure, options.baseline, options.by_name);
+    folder.keep();
+    print_all(files);
   }
   return success;
 }
@@ -138,17 +157,16 @@ void add_report(CommandLine& line) {
   verb.flag(
       "--by-name", options->by_name,
       "compare strategies by name, where their options differ between files (as steps that follow a world's size)");
-  verb.text("--out", "FOLDER", options->out, "write tables and figures of costs into a folder");
-  verb.text("--figures", "FOLDER", options->figures, "draw figures into a folder, as trellis run --figures does");
-  verb.choice(
-      "--figure", stored_figure_names(), options->figure,
-      "the figure of this name alone (default all that the results suffice for); those of samples and of motions "
-      "need the samples, which trellis run --figures has");
-  verb.text("--html", "FILE", options->html, "write the page of trellis run --html, but for its replays");
+  verb.text("--out", "FOLDER", options->out, "write tables of costs into a folder");
+  verb.text("--figures", "FOLDER", options->figures,
+            "draw figures and tables for papers into a folder (needs matplotlib of Python)");
+  verb.text(
+      "--figure", "NAME", options->figure,
+      "the figure of this name alone: costs, success, ratios, world, ... (default all that the results suffice for)");
+  verb.text("--html", "FILE", options->html, "write the page of trellis run --html");
   verb.integer(
       "--width", "N", 60, 1000, options->width,
       "the report's width in columns (default the terminal's, else COLUMNS of the environment, else 100 or 160)");
-  add_figure_options(verb, options->style);
 }
 
 }  // namespace trellis::command

@@ -19,7 +19,7 @@
 
 #include <dsl/command/choice.hpp>
 #include <dsl/command/commands.hpp>
-#include <dsl/command/figure_options.hpp>
+#include <dsl/command/figures.hpp>
 #include <dsl/command/interrupt.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
@@ -33,17 +33,13 @@
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/unused.hpp>
-#include <trellis/figures/charts/costs_figures.hpp>
-#include <trellis/figures/charts/figures.hpp>
-#include <trellis/figures/gltf.hpp>
-#include <trellis/figures/html.hpp>
-#include <trellis/figures/scene_figures.hpp>
-#include <trellis/figures/schedule_figures.hpp>
-#include <trellis/figures/trajectory.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/page/html.hpp>
+#include <trellis/pictures/gltf.hpp>
 #include <trellis/pictures/packed_run.hpp>
 #include <trellis/pictures/scenery.hpp>
 #include <trellis/pictures/stored_samples.hpp>
+#include <trellis/pictures/trajectory.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/records.hpp>
@@ -76,11 +72,9 @@ struct RunOptions {
   std::string trajectory;              ///< a file, "" if not given
   std::optional<double> velocity;      ///< TrajectorySettings
   std::optional<double> acceleration;  ///< likewise
-  std::string out;                     ///< a folder for tables, figures and the document, "" if not given
+  std::string out;                     ///< a folder for tables, the document and the page, "" if not given
   std::string learn;                   ///< a library of paths, "" if not given
   std::optional<double> novelty;       ///< metres
-  std::optional<std::size_t> palette;  ///< of the figures: 0 or none for safe, 1 for paper
-  FigureOptions style;
   std::optional<std::size_t> report;   ///< a ReportKind; none: the overview
   bool full = false;                   ///< the full report
   std::optional<std::uint64_t> width;  ///< of the report, in columns
@@ -142,23 +136,13 @@ void narrow(Experiment& experiment, const RunOptions& options) {
   if (options.only) experiment.seeds = {*options.only};
 }
 
-void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const ExperimentSummary& summary,
-                       const std::string& folder, const SceneFigureOptions& options, bool quiet) {
-  write_figures(summary, folder, options.jobs, options.style);
-  write_motion_figures(experiment, result, folder, options.jobs, options.style);
-  write_schedule_figures(experiment, result, folder, options.style);
-  for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
-    if (!quiet) print_message(note);
-  }
-}
-
-/// Writes the output of --out for the finished problems, except the figures of each strategy.
+/// Writes the output of --out for the finished problems.
 void write_out(const Experiment& experiment, const ExperimentResult& result, ExperimentFacts facts,
-               const ExperimentSummary& summary, const RunOptions& options, const FigureStyle& style) {
+               const ExperimentSummary& summary, const RunOptions& options) {
   const std::filesystem::path folder(options.out);
   facts.samples = "samples";
   write_packed_samples(experiment, result, (folder / facts.samples).string());
-  write_tables(options.style, options.out, report_markdown(facts, summary));
+  write_file((folder / "table.md").string(), report_markdown(facts, summary));
   write_file((folder / "table.csv").string(), report_csv(facts, summary));
   write_file((folder / "runs.csv").string(), runs_csv(facts));
   if (const std::string couplings = couplings_csv(summary); !couplings.empty()) {
@@ -166,9 +150,7 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, Exp
   }
   write_file((folder / "results.json").string(), report_json(facts, summary));
   StoredSamples samples((folder / facts.samples).string(), facts);
-  write_html(facts, summary, &samples, (folder / "report.html").string(),
-             {.schedules = schedules_of(experiment, result)});
-  write_comparison_figures(cost_data(facts, summary), (folder / "figures").string(), style);
+  write_html(facts, summary, &samples, (folder / "report.html").string());
 }
 
 /// Returns a folder as a document names it: relative to the folder of the document.
@@ -191,27 +173,15 @@ std::string options_text(const RunOptions& options) {
   return options.ablate ? text + " --ablate" : text;
 }
 
-/// The options that change the figures.
-std::string style_text(const RunOptions& options) {
-  const FigureOptions& style = options.style;
-  const auto number = [](const auto& given) {
-    return given ? fmt::format("{:g}", static_cast<double>(*given)) : "none";
-  };
-  return fmt::format(
-      "palette {}, column {}, untitled {}, serif {}, scale bar {}, panels {}, curves {}, azimuth {}, elevation {}",
-      options.palette.value_or(0), style.column ? std::to_string(*style.column) : "none", style.untitled, style.serif,
-      style.scale_bar, number(style.panels), number(style.curves), number(style.azimuth), number(style.elevation));
-}
-
 /// Writes what is finished after an interruption. Returns what remains.
 Interrupted interrupted_after(std::size_t problems, const Experiment& experiment, const ExperimentResult& result,
-                              const RunOptions& options, const FigureStyle& style, std::size_t runs) {
+                              const RunOptions& options, std::size_t runs) {
   std::vector<std::string> finished;
   if (problems > 0) {
     const Experiment part = part_of(experiment, 0, problems);
     ExperimentFacts facts = facts_of(part, result, options.script);
     facts.scenery = scenery_of(part);
-    write_out(part, result, facts, summarise(facts), options, style);
+    write_out(part, result, facts, summarise(facts), options);
   }
   for (std::size_t k = 0; k < problems; ++k) finished.push_back(experiment.problems[k].name);
   return Interrupted(fmt::format("interrupted; '{}' holds {} of {} runs{}{}; the same command continues", options.out,
@@ -221,8 +191,7 @@ Interrupted interrupted_after(std::size_t problems, const Experiment& experiment
 }
 
 /// Runs problem by problem, so that finished results remain if a later problem fails.
-ExperimentResult run_problems(const Experiment& experiment, const RunOptions& options,
-                              const SceneFigureOptions& drawing, Resume& resume) {
+ExperimentResult run_problems(const Experiment& experiment, const RunOptions& options, Resume& resume) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   const std::size_t all = steps(experiment);
@@ -239,14 +208,6 @@ ExperimentResult run_problems(const Experiment& experiment, const RunOptions& op
                .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
                .interrupted = InterruptibleRun::requested},
               resume);
-      const std::string& name = one.problems.front().name;
-      progress.show("drawing " + name);
-      const std::filesystem::path figures = std::filesystem::path(options.out) / "figures";
-      resume.attempt([&] {
-        resume.draw(name, style_text(options), (figures / Directories()(name)).string(), [&] {
-          write_all_figures(one, found, summarise(facts_of(one, found)), figures.string(), drawing, options.quiet);
-        });
-      });
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
       std::move(found.left_out.begin(), found.left_out.end(), std::back_inserter(result.left_out));
@@ -255,7 +216,7 @@ ExperimentResult run_problems(const Experiment& experiment, const RunOptions& op
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
       progress.show("writing what is finished");
-      throw interrupted_after(i, experiment, result, options, drawing.style, resume.runs());
+      throw interrupted_after(i, experiment, result, options, resume.runs());
     }
     before += steps(one);
   }
@@ -305,14 +266,6 @@ void warn_of_guides(const ExperimentSummary& summary) {
   }
 }
 
-SceneFigureOptions drawing_options(const RunOptions& options) {
-  const bool drawn = !options.figures.empty() || !options.out.empty();
-  if (options.palette && !drawn) throw Error("--palette: nothing is drawn without --figures");
-  return {.colours = options.palette.value_or(0) == 0 ? draw::RoleColours::safe : draw::RoleColours::paper,
-          .jobs = std::max(1U, std::thread::hardware_concurrency()),
-          .style = figure_style(options.style, drawn)};
-}
-
 ReportKind report_kind(const RunOptions& options) {
   if (!options.full) return static_cast<ReportKind>(options.report.value_or(0));
   const auto full = static_cast<std::size_t>(ReportKind::full);
@@ -347,7 +300,6 @@ void check_combination(const RunOptions& options) {
       throw Error(fmt::format("--trajectory: {}", error.what()));
     }
   }
-  check_format(options.style, !options.out.empty());
 }
 
 TrajectorySettings trajectory_settings(const RunOptions& options) {
@@ -423,12 +375,11 @@ void write_page(const Experiment& experiment, const ExperimentResult& result, co
   Progress progress(!options.quiet);
   const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
   PackedRuns samples(experiment, result);
-  write_html(facts, summary, &samples, options.html, {.progress = show, .schedules = schedules_of(experiment, result)});
+  write_html(facts, summary, &samples, options.html, {.progress = show});
 }
 
 int run(const RunOptions& options) {
   check_combination(options);
-  const SceneFigureOptions drawing = drawing_options(options);
   const ReportKind kind = report_kind(options);
   // Create the library before the script runs, so that a script may use a library without paths.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
@@ -464,7 +415,7 @@ int run(const RunOptions& options) {
     print_message(fmt::format("warning: {}", sentence));
   }
   std::string finished;  // before an interruption
-  const ExperimentResult result = resume ? run_problems(experiment, options, drawing, *resume)
+  const ExperimentResult result = resume ? run_problems(experiment, options, *resume)
                                          : run_cells(experiment, options, scope_of(options, kind), finished);
   samples.keep();
   figures.keep();
@@ -478,7 +429,7 @@ int run(const RunOptions& options) {
     Progress progress(!options.quiet);
     progress.show("writing the tables and the page");
     resume->attempt([&] {
-      write_out(experiment, result, facts, summary, options, drawing.style);
+      write_out(experiment, result, facts, summary, options);
       resume->finish(facts);
     });
   }
@@ -497,8 +448,9 @@ int run(const RunOptions& options) {
     write_packed_samples(experiment, result, options.samples);
   });
   writers.attempt(!options.figures.empty(), [&] {
-    write_all_figures(experiment, result, summary, options.figures, drawing, options.quiet);
-    write_comparison_figures(cost_data(facts, summary), options.figures, drawing.style);
+    Progress progress(!options.quiet);
+    progress.show("drawing");
+    draw_figures(experiment, result, options.figures);
   });
   writers.attempt(!options.gltf.empty(), [&] {
     for (const std::string& note : write_gltf(experiment, result, options.gltf, trajectory_settings(options))) {
@@ -565,7 +517,8 @@ void add_run(CommandLine& line) {
   verb.text("--csv", "FILE", options->csv, "write a table of the runs to a file, a row for each");
   verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");
   verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");
-  verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
+  verb.text("--figures", "FOLDER", options->figures,
+            "draw figures and tables for papers into a folder (needs matplotlib of Python)");
   verb.text("--gltf", "FOLDER", options->gltf,
             "write the motions in space as glTF 2.0 into a folder, a file for each strategy");
   verb.text("--trajectory", "FILE", options->trajectory,
@@ -576,15 +529,11 @@ void add_run(CommandLine& line) {
   verb.number("--acceleration", "RATE", 0.0, options->acceleration,
               "of all joints, in rad/s^2 or m/s^2 (default 1), for --trajectory and --gltf");
   verb.text("--out", "FOLDER", options->out,
-            "write tables, the document and figures into a folder, problem by problem; continues when repeated");
+            "write tables, the document and the page into a folder, problem by problem; continues when repeated");
   verb.flag("--restart", options->restart, "delete the records in the folder of --out and start again");
   verb.text("--learn", "FILE", options->learn, "add the paths that were found and are new to a library of paths");
   verb.number("--novelty", "METRES", 0.0, options->novelty,
               "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
-  verb.choice("--palette", {"safe", "paper"}, options->palette,
-              "the figures' colours of samples: safe, for any colour vision, or paper");
-  add_figure_options(verb, options->style);
-  add_view_options(verb, options->style);
   verb.choice("--report", report_kinds(), options->report,
               "what is printed: overview (default), levels, efficiency or full");
   verb.flag("--full", options->full, "as --report full");

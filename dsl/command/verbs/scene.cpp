@@ -16,17 +16,15 @@
 
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
+#include <dsl/command/figures.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/command/verbs/robot_report.hpp>
 #include <dsl/language/words/problem.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/planar/distance.hpp>
-#include <trellis/draw/planar.hpp>
-#include <trellis/draw/spatial.hpp>
-#include <trellis/figures/gltf.hpp>
-#include <trellis/figures/world_shapes.hpp>
 #include <trellis/instance/resolve_goal.hpp>
+#include <trellis/pictures/gltf.hpp>
 #include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/reader/mesh_file.hpp>
 #include <trellis/reader/readers.hpp>
@@ -387,48 +385,17 @@ class Report {
 };
 
 /// Draws a problem's world, with the robot at start and goal.
-draw::Canvas planar_picture(const Problem& problem) {
-  const PlanarScene& scene = planar(*problem.scene);
-  const auto& [lo, hi] = scene.world.bounds();
-  draw::PlanarFigure figure;
-  figure.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
-  figure.cell = std::max(figure.world.width, figure.world.height);
-  for (const Obstacle& obstacle : scene.world.obstacles()) figure.obstacles.push_back(drawn(obstacle.shape));
-  if (!problem.start.empty()) figure.start = placed(scene.robot, problem.start);
-  if (!problem.goals.empty()) figure.goal = placed(scene.robot, problem.goal());
-  figure.panels.push_back({.title = problem.name});
-  figure.columns = 1;
-  figure.scale_bar = true;
-  // A tall world's page is as narrow as the world.
-  constexpr double tallest = 620.0;
-  constexpr double narrowest = 220.0;
-  figure.width = std::clamp(tallest * figure.world.width / figure.world.height, narrowest, figure.width);
-  return draw::plot(figure);
-}
-
-/// Draws a frame of a world of space, from where the options ask for.
-draw::Canvas spatial_picture(draw::SpatialFigure figure, const std::string& title, const SceneOptions& options) {
-  const draw::Point3 size = figure.hi - figure.lo;
-  figure.cell = std::max({size.x, size.y, size.z});
-  figure.panels.push_back({.title = title});
-  figure.columns = 1;
-  constexpr double width = 440.0;
-  constexpr double narrow = 320.0;  // of a tall world's page
-  figure.width = size.z > std::max(size.x, size.y) ? narrow : width;
-  if (options.azimuth) figure.camera.azimuth = *options.azimuth;
-  if (options.elevation) {
-    constexpr double zenith = 90.0;
-    if (*options.elevation > zenith) {
-      throw Error(fmt::format("--elevation must be a number of at most 90, got {:g}", *options.elevation));
-    }
-    figure.camera.elevation = *options.elevation;
+void write_pictures(const SceneOptions& options, const Problem& problem) {
+  constexpr double zenith = 90.0;
+  if (options.elevation.value_or(0.0) > zenith) {
+    throw Error(fmt::format("--elevation must be a number of at most {:g}, got {:g}", zenith, *options.elevation));
   }
-  return draw::plot(figure);
-}
-
-void write_picture(const SceneOptions& options, const draw::Canvas& canvas) {
-  if (!options.svg.empty()) write_file(options.svg, canvas.render(draw::Format::svg), Flush::none);
-  if (!options.png.empty()) write_file(options.png, canvas.render(draw::Format::png), Flush::none);
+  Experiment experiment;
+  experiment.problems = {problem};
+  for (const auto& [file, ending] : {std::pair(options.svg, ".svg"), std::pair(options.png, ".png")}) {
+    if (file.empty()) continue;
+    write_file(file, picture_of(experiment, {}, 0, ending, {options.azimuth, options.elevation}), Flush::none);
+  }
 }
 
 bool draws(const SceneOptions& options) { return !options.svg.empty() || !options.png.empty(); }
@@ -444,9 +411,7 @@ void draw_scene(const SceneOptions& options, const Problem& problem) {
         "{}: {}", options.azimuth ? "--azimuth" : "--elevation",
         flat ? options.file + " is planar: it is drawn from above" : "nothing is drawn without --svg or --png"));
   }
-  if (!draws(options)) return;
-  write_picture(options,
-                flat ? planar_picture(problem) : spatial_picture(spatial_frame(problem), problem.name, options));
+  if (draws(options)) write_pictures(options, problem);
 }
 
 /// Draws a mesh in the box that it fills; a flat one in a box of a hundredth of its extent.
@@ -457,9 +422,10 @@ void draw_mesh(const SceneOptions& options, const MeshFile& file, const std::str
   if (hi.y - lo.y < least) hi.y = lo.y + least;
   if (hi.z - lo.z < least) hi.z = lo.z + least;
   Problem problem;
+  problem.name = name;
   problem.scene =
       std::make_shared<const SpatialScene>(World3({lo, hi}, {{name, {file.mesh, {}}}}, Contain::none), Robot3::point());
-  if (draws(options)) write_picture(options, spatial_picture(spatial_frame(problem), name, options));
+  if (draws(options)) write_pictures(options, problem);
   if (!options.gltf.empty()) write_file(options.gltf, gltf(problem, gltf_form(options.gltf)), Flush::none);
 }
 
@@ -576,7 +542,8 @@ void add_scene(CommandLine& line) {
   verb.text("--robot", "FILE", options->robot,
             "a drawing (SVG) of the outline of the robot, if the scene has none; the URDF file of a .srdf");
   verb.text("--unit", "UNIT", options->unit, "of a mesh: m, mm, cm, inch, or the number of metres");
-  verb.text("--svg", "FILE", options->svg, "draw the scene, with the robot at start and goal");
+  verb.text("--svg", "FILE", options->svg,
+            "draw the scene, with the robot at start and goal (needs matplotlib of Python)");
   verb.text("--png", "FILE", options->png, "the same as a PNG");
   verb.text("--gltf", "FILE", options->gltf, "write a scene of space as glTF 2.0 (.gltf, or .glb in binary)");
   verb.number("--azimuth", "DEGREES", -360.0, options->azimuth,

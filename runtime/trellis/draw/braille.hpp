@@ -7,9 +7,14 @@
 #include <string>
 #include <vector>
 
-#include <trellis/draw/canvas.hpp>
-
 namespace trellis::draw {
+
+/// A point of a picture; x to the right and y down.
+struct Point {
+  double x = 0.0;
+  double y = 0.0;
+  friend bool operator==(const Point&, const Point&) = default;
+};
 
 /// The ink of dots. A character has one ink: that of the highest rank among its dots.
 struct Ink256 {

@@ -23,8 +23,7 @@ constexpr Colour rgb(unsigned hex) {
   return {part(16U), part(8U), part(0U), 1.0};
 }
 
-/// The colours of Okabe and Ito (2008), which readers with any colour vision distinguish, and greys; then the meaning
-/// of each.
+/// The colours of Okabe and Ito (2008), which readers with any colour vision distinguish, and what has which.
 namespace palette {
 
 inline constexpr Colour black = rgb(0x000000);
@@ -36,29 +35,13 @@ inline constexpr Colour blue = rgb(0x0072B2);
 inline constexpr Colour vermillion = rgb(0xD55E00);
 inline constexpr Colour purple = rgb(0xCC79A7);
 
-inline constexpr Colour paper = rgb(0xFFFFFF);
-inline constexpr Colour ink = rgb(0x222222);    ///< text, whiskers
-inline constexpr Colour muted = rgb(0x666666);  ///< of captions, references, ticks
-inline constexpr Colour frame = rgb(0x444444);
-inline constexpr Colour grid = rgb(0xE4E4E4);
-inline constexpr Colour shade = rgb(0xEBEBEB);  ///< a marked interval of an axis
-
-// One quantity has one colour in every figure.
-inline constexpr Colour total = rgb(0x9A9A9A);
-inline constexpr Colour gain = green;
-inline constexpr Colour loss = vermillion;
-inline constexpr Colour rest = rgb(0xCFCFCF);
-inline constexpr Colour target = orange;
-inline constexpr Colour tree = blue;
-inline constexpr Colour expansion = purple;
-inline constexpr Colour baseline = sky;
-
 /// The colours of the levels of a hierarchy, the root's first: those of the page (report.css, --level-0 to --level-3).
 inline constexpr std::array<Colour, 4> levels = {rgb(0x0072B2), rgb(0xB8588D), rgb(0x857500), rgb(0x4A4F55)};
 constexpr Colour level(std::size_t i) { return levels[i % levels.size()]; }
 
-/// For series without a colour of their own, in this order; omits the faint yellow.
-inline constexpr std::array<Colour, 7> series = {blue, vermillion, green, orange, purple, sky, black};
+/// The strategies of an experiment beside its baseline, in the order of the script, as in the figures of Python
+/// (python/trellis/figures/_style.py).
+inline constexpr std::array<Colour, 7> series = {blue, vermillion, green, purple, sky, orange, black};
 constexpr Colour nth(std::size_t i) { return series[i % series.size()]; }
 
 /// The robots of a team: eight hues, then the same ones darker, then lighter.

@@ -9,7 +9,7 @@
 #include <utility>
 #include <variant>
 
-#include <trellis/draw/spatial.hpp>
+#include <trellis/draw/camera.hpp>
 #include <trellis/pictures/axes_json.hpp>
 #include <trellis/pictures/base64.hpp>
 #include <trellis/pictures/packing.hpp>

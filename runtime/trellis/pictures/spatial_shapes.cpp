@@ -307,27 +307,4 @@ std::vector<Point3> positions_in(const LevelRecord& record, View q) {
   return tips;
 }
 
-draw::SpatialFigure spatial_frame(const Problem& problem) {
-  constexpr std::size_t most_triangles = 5000;
-  const World3& world = *spatial_world(*problem.scene);
-  draw::SpatialFigure figure;
-  figure.lo = drawn(world.bounds().lo);
-  figure.hi = drawn(world.bounds().hi);
-  figure.camera = draw::camera_for(figure.lo, figure.hi);
-  WorldSurfaces surfaces = surfaces_of(world, most_triangles);
-  figure.caption = surfaces.note();
-  figure.obstacles = std::move(surfaces.obstacles);
-  const auto add = [&](View q, std::vector<Surface>& to) {
-    const std::vector<Surface> robot = placed(*problem.scene, q);
-    to.insert(to.end(), robot.begin(), robot.end());
-  };
-  if (!problem.start.empty()) {
-    add(problem.start, figure.start);
-    figure.start_at = position_of(*problem.scene, problem.start);
-  }
-  for (const Configuration& goal : problem.goals) add(goal, figure.goal);
-  if (!problem.goals.empty()) figure.goal_at = position_of(*problem.scene, problem.goal());
-  return figure;
-}
-
 }  // namespace trellis

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <trellis/draw/spatial.hpp>
 #include <trellis/draw/surface.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
@@ -60,9 +59,5 @@ bool has_positions(const LevelRecord& record);
 draw::Point3 position_in(const LevelRecord& record, View q);
 /// The same of each robot of a team; of a robot alone the one position.
 std::vector<draw::Point3> positions_in(const LevelRecord& record, View q);
-
-/// Returns what all pictures of a problem in space share: the world, and the robot at start and goals where it has
-/// them. Its caption says what was simplified.
-draw::SpatialFigure spatial_frame(const Problem& problem);
 
 }  // namespace trellis

@@ -180,7 +180,8 @@ void CostData::add(const ExperimentFacts& experiment, const ExperimentSummary& s
       fail(fmt::format("seed {} of '{}' on '{}' is there twice", run.seed, run.strategy, run.problem));
     }
     runs.push_back({*problem, *strategy, run.seed, run.solved, static_cast<double>(run.validity_checks),
-                    run.cpu_seconds, run.improvements, static_cast<double>(run.improvement_checks)});
+                    run.cpu_seconds, run.improvements.empty() ? run.cpu_seconds : run.improvements.front().cpu_seconds,
+                    static_cast<double>(run.improvement_checks)});
   }
   for (const ProblemSummary& one : summary.problems) {
     for (const StrategySummary& of : one.strategies) {
@@ -243,85 +244,6 @@ CostData cost_data(const ExperimentFacts& experiment, const ExperimentSummary& s
   data = data.without_ablations();
   data.baseline = experiment.baseline();
   return data;
-}
-
-namespace {
-
-std::vector<const CostData::Run*> runs_of(const CostData& data, std::size_t problem, std::size_t strategy,
-                                          CostKind kind) {
-  std::vector<const CostData::Run*> runs;
-  for (const CostData::Run& run : data.runs) {
-    const bool known = kind == CostKind::checks || !std::isnan(run.seconds);
-    if (run.problem == problem && run.strategy == strategy && known) runs.push_back(&run);
-  }
-  return runs;
-}
-
-double spent(const CostData::Run& run, CostKind kind) { return kind == CostKind::checks ? run.checks : run.seconds; }
-double spent(const Improvement& one, CostKind kind) {
-  return kind == CostKind::checks ? static_cast<double>(one.validity_checks) : one.cpu_seconds;
-}
-
-/// Returns the cost of a run's first path; anytime planners continue after it.
-double first_path(const CostData::Run& run, CostKind kind) {
-  return run.improvements.empty() ? spent(run, kind) : spent(run.improvements.front(), kind);
-}
-
-/// Sorts, removes duplicates, and thins evenly to `most` values including the first and the last.
-std::vector<double> places(std::vector<double> at, std::size_t most) {
-  std::sort(at.begin(), at.end());
-  at.erase(std::unique(at.begin(), at.end()), at.end());
-  if (at.size() <= most) return at;
-  std::vector<double> some;
-  for (std::size_t i = 0; i < most; ++i) some.push_back(at[i * (at.size() - 1) / (most - 1)]);
-  return some;
-}
-
-}  // namespace
-
-SuccessCurve success_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind) {
-  SuccessCurve curve;
-  const auto runs = runs_of(data, problem, strategy, kind);
-  curve.runs = runs.size();
-  std::vector<double> costs;
-  for (const CostData::Run* run : runs) {
-    curve.spent = std::max(curve.spent, spent(*run, kind));
-    if (run->solved) costs.push_back(first_path(*run, kind));
-  }
-  std::sort(costs.begin(), costs.end());
-  for (std::size_t i = 0; i < costs.size(); ++i) {
-    if (i + 1 < costs.size() && costs[i + 1] == costs[i]) continue;
-    curve.at.push_back(costs[i]);
-    curve.share.push_back(wilson_interval(i + 1, curve.runs));
-  }
-  return curve;
-}
-
-LengthCurve length_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind) {
-  constexpr std::size_t most = 200;
-  LengthCurve curve;
-  const auto runs = runs_of(data, problem, strategy, kind);
-  curve.runs = runs.size();
-  std::vector<double> at;
-  for (const CostData::Run* run : runs) {
-    curve.spent = std::max(curve.spent, spent(*run, kind));
-    curve.improves = curve.improves || run->improvements.size() > 1;
-    for (const Improvement& one : run->improvements) at.push_back(spent(one, kind));
-  }
-  curve.at = places(std::move(at), most);
-  for (const double place : curve.at) {
-    std::vector<CensoredCost> lengths;
-    lengths.reserve(runs.size());
-    for (const CostData::Run* run : runs) {
-      CensoredCost length{0.0, false};
-      for (const Improvement& one : run->improvements) {
-        if (spent(one, kind) <= place) length = {one.length, true};
-      }
-      lengths.push_back(length);
-    }
-    curve.length.push_back(median_cost(lengths));
-  }
-  return curve;
 }
 
 std::vector<std::string> cost_levels(const std::string& text) {

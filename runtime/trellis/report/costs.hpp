@@ -32,10 +32,10 @@ struct CostData {
     std::size_t strategy = 0;  ///< index into `strategies`
     std::uint64_t seed = 0;
     bool solved = false;
-    double checks = 0.0;                         ///< validity checks, all levels
-    double seconds = 0.0;                        ///< CPU time; NaN where the document has none
-    std::vector<Improvement> improvements = {};  ///< its paths, each shorter than those before
-    double improvement_checks = 0.0;             ///< part of `checks`: of an anytime planner, after its first path
+    double checks = 0.0;              ///< validity checks, all levels
+    double seconds = 0.0;             ///< CPU time; NaN where the document has none
+    double first_seconds = 0.0;       ///< likewise, until the first path
+    double improvement_checks = 0.0;  ///< part of `checks`: of an anytime planner, after its first path
   };
   /// Nats above uniform of the root's samples, the means over a strategy's runs on a problem.
   struct Nats {
@@ -74,29 +74,6 @@ struct CostData {
 
 /// Returns the costs of an experiment's runs, without ablations.
 CostData cost_data(const ExperimentFacts& experiment, const ExperimentSummary& summary);
-
-/// A cost on the axis of a figure.
-enum class CostKind : std::uint8_t { checks, seconds };
-
-/// The share of a strategy's runs that found a path within a cost, as a function of the cost.
-struct SuccessCurve {
-  std::size_t runs = 0;
-  std::vector<double> at;       ///< costs of the solved runs, ascending, each once
-  std::vector<Interval> share;  ///< from each cost on, with its 95 % interval (Wilson)
-  double spent = 0.0;           ///< the largest cost of a run, solved or not
-};
-SuccessCurve success_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind);
-
-/// The length of the shortest path as a function of the cost: the median over the runs, infinite for a run without a
-/// path.
-struct LengthCurve {
-  std::size_t runs = 0;
-  bool improves = false;         ///< at least one run found a second path
-  std::vector<double> at;        ///< costs at which a run found a path, ascending; at most 200
-  std::vector<Interval> length;  ///< from each cost on, with its 95 % interval by order statistics
-  double spent = 0.0;            ///< the largest cost of a run
-};
-LengthCurve length_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind);
 
 /// The reference of a strategy, for each problem.
 enum class CostReference : std::uint8_t {
