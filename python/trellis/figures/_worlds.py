@@ -379,7 +379,7 @@ def _one_level(results: Results, scene: Scene, strategies: Optional[Sequence[str
     view = whole_view(scene, [] if path is None else [path])
     with _style.styled():
         axes = _panels("world", ax, 1, view.aspect, False)
-        _draw_whole_level(axes[0], view, scene, results, run, levels, number)
+        _draw_whole_level(axes[0], view, scene, results, run, levels, number, number == 0)
     return axes[0]
 
 
@@ -429,17 +429,17 @@ def levels_of_world(document: Document, *, problem: Optional[str] = None, strate
     with _style.styled():
         axes = _panels("levels_of_world", ax, len(shown), view.aspect, True, gap=6.0)
         for one, number in zip(axes, shown):
-            _draw_whole_level(one, view, scene, results, run, levels, number)
+            _draw_whole_level(one, view, scene, results, run, levels, number, False)
     return _style.returned(axes)
 
 
 def _draw_whole_level(one: Any, view: View, scene: Scene, results: Results, run: Run, levels: Sequence[Level],
-                      number: int) -> None:
-    """A level with its path and its heading."""
+                      number: int, robot: bool) -> None:
+    """A level with its path and its heading, and the robot along it or not."""
     level, entry = levels[number], run["levels"][number]
     colour = _level_colour(results, run["strategy"], number)
     path = path_of(run)
-    view.begin(one, _bodies(scene, path, colour) if number == 0 and len(levels) == 1 else [])
+    view.begin(one, _bodies(scene, path, colour) if robot else [])
     _draw_level(one, view, level, colour, _colours(scene))
     if level.path is not None and len(level.path):
         _draw_path(one, view, scene, level.path, level)
