@@ -395,6 +395,17 @@ class WorldsAlone(unittest.TestCase):
             ax = figures.world(results, problem="trap", strategies=["both"], level=number)
             self.assertEqual(faults_of(ax.figure), [])
             self.assertEqual([text.get_text() for text in ax.texts], [text.get_text() for text in expected.texts])
+        # One run, as of a session: without summary, comparisons, baseline and seeds.
+        content = content_of("scored")
+        least = {key: content[key] for key in ("trellis", "worlds", "robots", "scenes", "samples")}
+        least["runs"] = [run for run in content["runs"] if run["strategy"] == "both" and run["problem"] == "trap"][:1]
+        least["experiment"] = {"problems": content["experiment"]["problems"][:1], "strategies": [
+            {key: one[key] for key in ("name", "text", "guided")} for one in content["experiment"]["strategies"]
+            if one["name"] == "both"]}
+        session = figures.read(written(least, "session.json"))
+        ax = figures.world(session, level=2)
+        self.assertEqual([text.get_text() for text in ax.texts], [text.get_text() for text in list(whole)[0].texts])
+        self.assertEqual(figures.supported(session), ["costs", "success", "profile", "world", "levels_of_world", "strip"])
         for fault, call in {
             "'both' has no level 3; there are: 0 root, 1 shrink.0.5., 2 skeleton..":
                 lambda: figures.world(results, problem="trap", strategies=["both"], level=3),
