@@ -47,6 +47,8 @@ install(FILES ${PROJECT_BINARY_DIR}/dsl/meta/trellis.lua DESTINATION ${data}/std
 install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.cpp" PATTERN CMakeLists.txt
         PATTERN "*.slurm")
 install(PROGRAMS examples/cluster/sweep-parallel DESTINATION ${data}/examples/cluster COMPONENT trellis)
+# Draws figures, where Python has matplotlib and pandas.
+install(DIRECTORY python/trellis DESTINATION ${data}/python COMPONENT trellis FILES_MATCHING PATTERN "*.py")
 install(FILES .luacheckrc ${program} RENAME luacheckrc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis PATTERN site EXCLUDE)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis RENAME copyright)
@@ -87,7 +89,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_TRELLIS_PACKAGE_NAME trellis)
 set(CPACK_DEBIAN_TRELLIS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_TRELLIS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
+set(CPACK_DEBIAN_TRELLIS_PACKAGE_RECOMMENDS "python3, python3-matplotlib, python3-pandas")
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS

@@ -71,7 +71,7 @@ if(EXISTS ${BUILD}/trellis-mesh AND NOT EXISTS ${root}/libexec/trellis/trellis-m
   message(FATAL_ERROR "the program that reads COLLADA was not installed")
 endif()
 
-foreach(file share/trellis/stdlib/strategies.lua share/trellis/stdlib/meta/trellis.lua share/trellis/examples/nested.lua
+foreach(file share/trellis/stdlib/strategies.lua share/trellis/stdlib/meta/trellis.lua share/trellis/examples/nested.lua share/trellis/python/trellis/figures/__main__.py
              share/doc/trellis/reference.md share/doc/trellis/README.md share/doc/trellis/copyright
              share/man/man1/trellis.1 share/bash-completion/completions/trellis
              share/fish/vendor_completions.d/trellis.fish share/zsh/vendor-completions/_trellis
