@@ -15,6 +15,7 @@ void remove_times(Json& json) {
     json.erase("lua_share");
     json.erase("path_cpu_s");
     json.erase("set_up_s");
+    json.erase("shared_set_up_s");
   }
   if (json.is_structured()) {
     for (Json& part : json) remove_times(part);

@@ -41,15 +41,21 @@ constexpr auto of_runs = std::to_array<RunQuantity>({
             "the work to set up the guides for this run alone, of which work counts one part in queries where it "
             "depends on the world alone"),
      &RunTotals::set_up},
-    {of_run("time_s", "s", less, "wall clock of the run; scoring is not in it"), &RunTotals::seconds, clock},
+    {of_run("time_s", "s", less, "wall clock of the run; neither scoring nor shared_set_up_s is in it"),
+     &RunTotals::seconds, clock},
     {of_run("cpu_s", "s", less,
-            "CPU time of the threads that planned: set-up and planning of all levels; scoring is not in it"),
+            "CPU time of the threads that planned: set-up and planning of all levels; neither scoring nor "
+            "shared_set_up_s is in it"),
      &RunTotals::cpu_seconds, clock},
     {of_run("lua_s", "s", none,
             "part of cpu_s: functions of guides in Lua with what they call, and loading their script. Calls are timed "
             "by the wall clock, so it is their share of time_s, times cpu_s"),
      &RunTotals::lua_seconds, clock},
     {of_run("set_up_s", "s", less, "part of time_s: the time to set up the guides"), &RunTotals::set_up_seconds, clock},
+    {of_run("shared_set_up_s", "s", none,
+            "the time of the set-ups that depend on the world alone and that this run uses, whichever run computed "
+            "them; not in time_s, cpu_s and set_up_s"),
+     &RunTotals::shared_set_up_seconds, clock},
     {of_run("path_cpu_s", "s", none, "CPU time of the paths' certificates; not in time_s and cpu_s"),
      &RunTotals::path_seconds, clock},
     {of_run("length", "m", less, "length of the path in the metric, after shortcutting"), &RunTotals::length},

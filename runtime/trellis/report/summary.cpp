@@ -515,7 +515,7 @@ RunsSummary summarise(std::span<const RunFacts* const> runs) {
       improvement.push_back(static_cast<double>(run->improvement_checks));
     }
     set_up.push_back(run->set_up);
-    result.set_up_seconds = std::max(result.set_up_seconds, run->set_up_seconds);
+    result.set_up_seconds = std::max(result.set_up_seconds, run->set_up_seconds + run->shared_set_up_seconds);
     if (!std::isnan(run->queries)) result.queries = run->queries;
     work.push_back(run->work);
     validity.push_back({static_cast<double>(run->validity_checks), run->solved});

@@ -222,7 +222,7 @@ struct RunsSummary {
   /// Work to set up the guides for a run alone (RunRecord::set_up): the median over the runs.
   double set_up = std::numeric_limits<double>::quiet_NaN();
   double set_up_share = 0.0;    ///< the same relative to the median work of a run
-  double set_up_seconds = 0.0;  ///< the longest of a run: that of the first one in its world
+  double set_up_seconds = 0.0;  ///< the longest of a run, with what it shares with others
   double queries = std::numeric_limits<double>::quiet_NaN();  ///< RunTotals::queries; NaN without guides
   double lua_share = 0.0;                                     ///< of the CPU time of all runs, in functions in Lua
   Interval length;                                            ///< mean over the solved runs, metres of the metric

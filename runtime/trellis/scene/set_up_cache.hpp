@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include <trellis/scene/cache_by_world.hpp>
 
@@ -41,6 +43,64 @@ class OwnSetUpsScope {
   OwnSetUps* outer_;
 };
 
+/// What it took to compute a set-up of a world, without the other set-ups that it uses.
+struct SetUpTime {
+  double seconds = 0.0;
+  std::vector<std::shared_ptr<const SetUpTime>> uses = {};
+};
+
+/// The shared set-ups that a run uses. The first run that needs one computes it; every run that uses it reports the time
+/// that it took, and none counts that time as its own.
+class SharedSetUps {
+ public:
+  /// Returns the time that the set-ups took, each counted once, in seconds.
+  [[nodiscard]] double seconds() const;
+  /// Wall-clock and CPU time of this thread within the run: it computed them, or waited for a run that did.
+  [[nodiscard]] double spent() const { return spent_; }
+  [[nodiscard]] double cpu_spent() const { return cpu_spent_; }
+
+ private:
+  friend class SetUpUse;
+  std::vector<std::shared_ptr<const SetUpTime>> used_;
+  double spent_ = 0.0;
+  double cpu_spent_ = 0.0;
+};
+
+/// While one exists, this thread records what it uses of the shared caches.
+class SharedSetUpsScope {
+ public:
+  /// \param record  outlives the scope
+  explicit SharedSetUpsScope(SharedSetUps* record);
+  ~SharedSetUpsScope();
+  SharedSetUpsScope(const SharedSetUpsScope&) = delete;
+  SharedSetUpsScope& operator=(const SharedSetUpsScope&) = delete;
+
+ private:
+  SharedSetUps* outer_;
+};
+
+/// Times one use of a shared set-up. A set-up may use others, so that uses nest.
+class SetUpUse {
+ public:
+  SetUpUse();
+  ~SetUpUse();
+  SetUpUse(const SetUpUse&) = delete;
+  SetUpUse& operator=(const SetUpUse&) = delete;
+
+  /// Returns the time so far, after it was computed in this use.
+  [[nodiscard]] std::shared_ptr<const SetUpTime> computed() const;
+  /// Records what was found or computed.
+  void found(std::shared_ptr<const SetUpTime> time) { time_ = std::move(time); }
+
+ private:
+  SetUpUse* outer_;
+  double begin_;
+  double cpu_begin_;
+  double within_ = 0.0;  ///< wall-clock time of the uses in this one
+  std::vector<std::shared_ptr<const SetUpTime>> uses_;
+  std::shared_ptr<const SetUpTime> time_;
+};
+
 /// The cache of a set-up of guides, as a medial axis: by world, for all runs, except those that compute their own. What
 /// collision checkers compute of a world is in a CacheByWorld, as planners without guides need it too.
 template <class Value, class Key = std::monostate, std::size_t most_keys = 4>
@@ -53,11 +113,26 @@ class SetUpCache {
   }
   template <class World, class Make>
   std::shared_ptr<const Value> get(const World& world, const Key& key, const Make& make) {
-    return (thread_set_ups != nullptr ? thread_set_ups->in_place_of(shared_) : shared_).get(world, key, make);
+    if (thread_set_ups != nullptr) {
+      const auto own = thread_set_ups->in_place_of(shared_).get(
+          world, key, [&](const World& of) { return Timed{make(of), nullptr}; });
+      return {own, &own->value};
+    }
+    SetUpUse use;
+    const auto timed = shared_.get(world, key, [&](const World& of) {
+      Value value = make(of);
+      return Timed{std::move(value), use.computed()};
+    });
+    use.found(timed->time);
+    return {timed, &timed->value};
   }
 
  private:
-  CacheByWorld<Value, Key, most_keys> shared_;
+  struct Timed {
+    Value value;
+    std::shared_ptr<const SetUpTime> time;
+  };
+  CacheByWorld<Timed, Key, most_keys> shared_;
 };
 
 }  // namespace trellis

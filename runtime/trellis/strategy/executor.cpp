@@ -119,6 +119,7 @@ class Running {
     run_.ledger.share_set_up(common.queries);
     if (common.queries <= 1.0) own_set_ups_.emplace();
     const OwnSetUpsScope unshared(own_set_ups());
+    const SharedSetUpsScope recorded(&shared_set_ups_);
     guides_ = strategy.guide();
     double estimated = 0.0;
     if (bound_ > 0.0) {
@@ -136,6 +137,7 @@ class Running {
   /// Searches until a path is certified, or until no search is left.
   void search() {
     const OwnSetUpsScope unshared(own_set_ups());
+    const SharedSetUpsScope recorded(&shared_set_ups_);
     RunLedger& ledger = run_.ledger;
     const bool is_set_up = guides_ == nullptr || ledger.guides_set_up();
     if (!ledger.ending() && (is_set_up || (ledger.companion_goes_first() && set_up()))) {
@@ -160,6 +162,7 @@ class Running {
   /// The record so far. Once the search has ended, callable once.
   RunRecord record() {
     const OwnSetUpsScope unshared(own_set_ups());
+    const SharedSetUpsScope recorded(&shared_set_ups_);
     const KeptCounts kept(ended_ ? std::vector<Level*>() : all_levels());
     RunRecord record;
     RootSearch& decisive = companion_decides_ ? companion_->search() : *root_;
@@ -179,7 +182,8 @@ class Running {
       record.set_up = set_up_work(*guides_, *problem_.scene, 1.0);
       if (record.set_up > set_up_work(*guides_, *problem_.scene, all)) record.queries = run_.ledger.queries();
     }
-    record.set_up_seconds = run_.ledger.set_up_seconds();
+    record.set_up_seconds = std::max(0.0, run_.ledger.set_up_seconds() - shared_in_set_up_);
+    record.shared_set_up_seconds = shared_set_ups_.seconds();
     if (record.solved) add_path(record, decisive);
     for (RootSearch* search : searches()) {
       record.path_checks += search->check_path().checks();
@@ -249,11 +253,15 @@ class Running {
       seconds_ -= std::chrono::duration<double>(search->check_path().time()).count();
       cpu_seconds_ -= search->check_path().cpu_seconds();
     }
+    // Whichever run is the first in a world computes what all use.
+    seconds_ = std::max(0.0, seconds_ - shared_set_ups_.spent());
+    cpu_seconds_ = std::max(0.0, cpu_seconds_ - shared_set_ups_.cpu_spent());
   }
 
   /// Makes the levels of the guides. Returns whether that ended.
   bool set_up() {
-    return run_.ledger.set_up([this] {
+    const double before = shared_set_ups_.spent();
+    const bool ended = run_.ledger.set_up([this] {
       try {
         root_->level().guide_by(*guides_);
       } catch (const SearchEnded&) {
@@ -262,6 +270,8 @@ class Running {
       }
       return true;
     });
+    shared_in_set_up_ += shared_set_ups_.spent() - before;
+    return ended;
   }
 
   std::vector<RootSearch*> searches() {
@@ -284,7 +294,7 @@ class Running {
     if (!improvements.empty() && !(length < improvements.back().length)) return;
     std::uint64_t checks = 0;
     for (Level* level : all_levels()) checks += level->instance().checks.validity;
-    improvements.push_back({checks, thread_seconds() - run_.cpu_begin, length});
+    improvements.push_back({checks, thread_seconds() - run_.cpu_begin - shared_set_ups_.cpu_spent(), length});
   }
 
   /// Returns the improvements of a run whose two searches found paths: the first path is that of either.
@@ -356,6 +366,8 @@ class Running {
   const ExecuteOptions& options_;
   std::optional<HelperThreads> helpers_;
   std::optional<OwnSetUps> own_set_ups_;  ///< of a run that is the only one in its world
+  SharedSetUps shared_set_ups_;           ///< those of others
+  double shared_in_set_up_ = 0.0;         ///< what it spent on these while it set up the guides
   Run run_;
   double setup_ = 0.0;
   bool anytime_ = false;  ///< the root's planner continues after its first path

@@ -98,7 +98,9 @@ struct BoundedLoss {
 struct RunTotals {
   Status status = Status::untried;
   bool solved = false;
-  double seconds = 0.0;      ///< wall-clock time to set up and plan, all levels, without completion of the record
+  /// Wall-clock time to set up and plan, all levels, without completion of the record and without
+  /// `shared_set_up_seconds`, whichever run computed that.
+  double seconds = 0.0;
   double cpu_seconds = 0.0;  ///< CPU time for the same, of the thread and of its helpers (ExecuteOptions::threads)
   /// Part of `cpu_seconds`: functions in Lua and what they call, and loading their script. Calls are timed by the wall
   /// clock, so this is their share of `seconds`, times `cpu_seconds`. 0 where no such function was called.
@@ -117,7 +119,10 @@ struct RunTotals {
   double set_up = 0.0;
   /// The runs that share that, by assumption (PlannerCommon::queries). NaN where nothing depends on the world alone.
   double queries = std::numeric_limits<double>::quiet_NaN();
-  double set_up_seconds = 0.0;        ///< part of `seconds`: the time to set up the guides
+  double set_up_seconds = 0.0;  ///< part of `seconds`: the time to set up the guides
+  /// The time that the set-ups took that depend on the world alone and that this run uses, in whichever run they were
+  /// computed. 0 of a run that shares none (PlannerCommon::queries is 1).
+  double shared_set_up_seconds = 0.0;
   std::uint64_t shortcut_checks = 0;  ///< validity checks of shortcutting; the sums above exclude them
   /// Whether `path` is certified: everywhere on it the robot is free of contact (PathCertificate). Every path that is
   /// reported is.
