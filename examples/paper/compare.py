@@ -76,6 +76,19 @@ def head_of(cells):
     return row_of(cells) + "\n|" + "---|" * len(cells)
 
 
+def rows_of(table):
+    """Returns the rows of a table of a document (docs/formats.md), without lists but those of texts with numbers."""
+    columns = {}
+    for name, values in table.items():
+        if isinstance(values, dict) and "at" in values:
+            values = [values["texts"][at] if isinstance(at, int) else None for at in values["at"]]
+        elif isinstance(values, dict):
+            texts, pairs = values["texts"], values["pairs"]
+            values = [{texts[row[i]]: row[i + 1] for i in range(0, len(row), 2)} for row in pairs]
+        columns[name] = values if isinstance(values, list) else [values] * table["rows"]
+    return [{name: values[row] for name, values in columns.items()} for row in range(table["rows"])]
+
+
 def ranks(values):
     """Returns the rank of each value, the mean rank of equal ones."""
     return [sum(v < x for v in values) + 0.5 * (sum(v == x for v in values) - 1) for x in values]
@@ -129,10 +142,12 @@ class Results:
                 (number(row["value"]), number(row["lo"]), number(row["hi"]))
             for row in rows if row["estimator"] == HEADLINE}
         self.runs = {}
-        for run in document["runs"]:
-            self.runs.setdefault((run["problem"], run["strategy"]), []).append(run)
-        self.pooled = {(entry["problem"], entry["strategy"]): entry
-                       for entry in document["pooled"] if entry["key"] == "0"}
+        for number, run in enumerate(document["runs"]):
+            self.runs.setdefault((run["problem"], run["strategy"]), []).append(number)
+        self.pooled = {(row["problem"], row["strategy"], row["role"]): row
+                       for row in rows_of(document["pooled"]) if row["key"] == "0"}
+        self.measure = {(row["run"], row["role"], row["path"]): row
+                        for row in rows_of(document["measure"]) if row["level"] == 0}
 
     @staticmethod
     def estimate(measured, estimator):
@@ -140,19 +155,16 @@ class Results:
         if not measured:
             return math.nan
         if estimator in (HEADLINE, measured.get("estimator")):
-            value = measured.get("estimates", {}).get("SE", measured.get("SE"))
+            value = measured.get("SE")
         else:
-            value = measured.get("others", {}).get(estimator)
-        if isinstance(value, dict):
-            value = value.get("SE")
+            value = dict(measured.get("others") or {}).get(estimator)
         return math.nan if value is None else float(value)
 
     def of_runs(self, problem, strategy, role, path, estimator):
         """Returns SE of each run, in the order of seeds; NaN where it has none."""
         values = []
         for run in self.runs.get((problem, strategy), []):
-            measure = run["levels"][0]["measure"] if run["levels"] else None
-            values.append(self.estimate(measure[role][FIELDS[path]] if measure else None, estimator))
+            values.append(self.estimate(self.measure.get((run, role, FIELDS[path])), estimator))
         return values
 
     def compared(self, problem, strategy, role, path, estimator):
@@ -160,7 +172,7 @@ class Results:
         if estimator == HEADLINE:
             return self.shown[problem, strategy, role, path][0]
         if path == "pooled":
-            return self.estimate(self.pooled.get((problem, strategy), {}).get(role), estimator)
+            return self.estimate(self.pooled.get((problem, strategy, role)), estimator)
         values = [x for x in self.of_runs(problem, strategy, role, path, estimator) if not math.isnan(x)]
         return sum(values) / len(values) if values else math.nan
 

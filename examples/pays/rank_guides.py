@@ -48,12 +48,39 @@ def interval(values):
     return means[int(0.025 * RESAMPLES)], means[int(0.975 * RESAMPLES) - 1]
 
 
-def at(record, *keys):
-    for key in keys:
-        record = record.get(key) if isinstance(record, dict) else None
-    if record == "-inf":
+def rows_of(table):
+    """The rows of a table of a document (docs/formats.md), without lists."""
+    columns = {}
+    for name, values in table.items():
+        if isinstance(values, dict) and "at" in values:
+            values = [values["texts"][at] if isinstance(at, int) else None for at in values["at"]]
+        elif isinstance(values, dict):
+            continue
+        columns[name] = values if isinstance(values, list) else [values] * table["rows"]
+    return [{name: values[row] for name, values in columns.items()} for row in range(table["rows"])]
+
+
+def read(path):
+    """The document, whose runs have the proposals and the measured sets of the robot's own level."""
+    with open(path, encoding="utf-8") as file:
+        document = json.load(file)
+    for run in document["runs"]:
+        run["measure"] = {}
+    for row in rows_of(document["levels"]):
+        if row["level"] == 0:
+            document["runs"][row["run"]]["proposals"] = row["proposals"]
+    for row in rows_of(document["measure"]):
+        if row["level"] == 0:
+            document["runs"][row["run"]]["measure"][row["role"], row["path"]] = row
+    document["pooled"] = rows_of(document["pooled"])
+    return document
+
+
+def at(row, key):
+    value = (row or {}).get(key)
+    if value == "-inf":
         return -math.inf
-    return record if isinstance(record, (int, float)) else None
+    return value if isinstance(value, (int, float)) else None
 
 
 def mean_of(values):
@@ -65,17 +92,16 @@ def figures(pooled, runs):
     """The figures of a strategy in a world, of its proposals and of its nodes; more is better."""
     result = {}
     for role, name in (("expansion", "proposals"), ("tree", "nodes")):
-        whole = pooled.get(role) or {}
-        sets = [((run["levels"] or [{}])[0].get("measure") or {}).get(role) or {} for run in runs]
-        cross = [s.get("cross") or {} for s in sets]
-        references = [((run["levels"] or [{}])[0].get("measure") or {}).get("uniform") or {} for run in runs]
-        result["hitting", name] = at(whole, "hitting", "nats")
-        result["hitting, full metric", name] = at(whole, "hitting", "full")
-        result["bottleneck", name] = at(whole, "bottleneck", "nats")
-        result["bottleneck, full metric", name] = at(whole, "bottleneck", "full")
-        result["hitting of single runs", name] = mean_of([at(s, "hitting", "nats") for s in cross])
-        result["uniform samples of single runs", name] = mean_of([at(s, role, "hitting", "nats") for s in references])
-        mass = mean_of([at(s, "SE_parts", "mass") for s in cross])
+        whole = pooled.get(role)
+        cross = [run["measure"].get((role, "cross")) for run in runs]
+        references = [run["measure"].get((role, "uniform")) for run in runs]
+        result["hitting", name] = at(whole, "hitting.nats")
+        result["hitting, full metric", name] = at(whole, "hitting.full")
+        result["bottleneck", name] = at(whole, "bottleneck.nats")
+        result["bottleneck, full metric", name] = at(whole, "bottleneck.full")
+        result["hitting of single runs", name] = mean_of([at(s, "hitting.nats") for s in cross])
+        result["uniform samples of single runs", name] = mean_of([at(s, "hitting.nats") for s in references])
+        mass = mean_of([at(s, "SE_parts.mass") for s in cross])
         uniform = mean_of([at(s, "D_uniform") for s in cross])
         result["mass", name] = None if mass is None or uniform is None else uniform - mass
         result["SE", name] = mean_of([at(s, "above_uniform") for s in cross])
@@ -94,10 +120,13 @@ def world_of(document, problem, baseline):
     for run in document["runs"]:
         if run["problem"] == problem:
             runs.setdefault(run["strategy"], []).append(run)
-    pooled = {p["strategy"]: p for p in document["pooled"] if p["problem"] == problem and p["key"] == "0"}
+    pooled = {}
+    for row in document["pooled"]:
+        if row["problem"] == problem and row["key"] == "0":
+            pooled.setdefault(row["strategy"], {})[row["role"]] = row
     costs = {
         "checks": lambda run: run["validity_checks"] if run["solved"] else None,
-        "proposals": lambda run: run["levels"][0]["proposals"] if run["solved"] else None,
+        "proposals": lambda run: run["proposals"] if run["solved"] else None,
     }
     world = {"guides": [], "figures": [], "costs": {cost: [] for cost in costs}, "samples": []}
     for strategy, mine in runs.items():
@@ -110,7 +139,7 @@ def world_of(document, problem, baseline):
             continue
         world["guides"].append(strategy)
         world["figures"].append(figures(pooled.get(strategy, {}), mine))
-        world["samples"].append(at(pooled.get(strategy, {}).get("expansion"), "hitting", "N"))
+        world["samples"].append(at(pooled.get(strategy, {}).get("expansion"), "hitting.N"))
         for cost, value in ratios.items():
             world["costs"][cost].append(value)
     return world
@@ -170,8 +199,7 @@ def main():
         return 0 if len(sys.argv) > 1 else 2
     worlds = {}
     for path in sys.argv[1:]:
-        with open(path, encoding="utf-8") as file:
-            document = json.load(file)
+        document = read(path)
         baseline = document["experiment"]["baseline"]
         for problem in document["experiment"]["problems"]:
             world = world_of(document, problem["name"], baseline)

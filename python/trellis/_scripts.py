@@ -11,6 +11,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _trellis
+from ._columns import rows
 from ._trellis import Error, Problem, Script, Strategy
 
 if TYPE_CHECKING:
@@ -90,20 +91,29 @@ def _is_usual(name: str) -> bool:
     return not name.startswith(("metrics.", "resolved_for.", "spent.guided.", "spent.unguided.", "rejections."))
 
 
-def _lifted(level: Mapping[str, Any]) -> Mapping[str, Any]:
-    """A level with its measure in the root's space, which the document has of the root as its own."""
-    measure = level["measure"]
-    if measure is None or "root" in measure:
-        return level
-    return {**level, "measure": {**measure, "root": {role: measure[role] for role in ("tree", "expansion")}}}
+def _measured(measure: Mapping[str, Any]) -> Dict[Tuple[int, int], Dict[str, Any]]:
+    """Of each level, by its run and number, the columns of its measured sets, `measure.root.tree.self.SE`."""
+    found: Dict[Tuple[int, int], Dict[str, Any]] = {}
+    for row in rows(measure):
+        run, level, space, path, role = (row.pop(key) for key in ("run", "level", "space", "path", "role"))
+        if path not in ("self", "cross"):
+            names = [f"measure.{path}.{role}"]
+        else:
+            names = [f"measure.root.{role}.{path}"] if space == "root" else []
+            if space == "own" or level == 0:  # the root's own space is the root's
+                names.append(f"measure.{role}.{path}")
+        its = found.setdefault((run, level), {})
+        for name in names:
+            its.update({f"{name}.{key}": value for key, value in row.items() if not isinstance(value, list)})
+    return found
 
 
-def _frame(rows: List[Dict[str, Any]]) -> "pandas.DataFrame":
+def _frame(found: List[Dict[str, Any]]) -> "pandas.DataFrame":
     try:
         import pandas
     except ImportError as missing:
         raise ImportError("frames need pandas (Debian: python3-pandas); `Result.document` does without") from missing
-    return pandas.DataFrame(rows)
+    return pandas.DataFrame(found)
 
 
 class Result:
@@ -149,11 +159,15 @@ class Result:
         return _frame([_flat(run) for run in self.document["runs"]])
 
     def _level_rows(self) -> List[Dict[str, Any]]:
-        return [
-            {**{key: run[key] for key in ("problem", "strategy", "seed")}, **_flat(_lifted(level))}
-            for run in self.document["runs"]
-            for level in run["levels"]
-        ]
+        runs = self.document["runs"]
+        measured = _measured(self.document["measure"])
+        found = []
+        for row in rows(self.document["levels"]):
+            number = row.pop("run")
+            of_run = {key: runs[number][key] for key in ("problem", "strategy", "seed")}
+            its = {key: value for key, value in row.items() if not isinstance(value, list)}
+            found.append({**of_run, **its, **measured.get((number, row["level"]), {})})
+        return found
 
     @property
     def levels(self) -> "pandas.DataFrame":
@@ -163,19 +177,19 @@ class Result:
 
         Raises ImportError without pandas.
         """
-        rows = self._level_rows()
-        names: Dict[str, None] = {name: None for row in rows for name in row if _is_usual(name)}
-        return _frame([{name: row.get(name) for name in names} for row in rows])
+        found = self._level_rows()
+        names: Dict[str, None] = {name: None for row in found for name in row if _is_usual(name)}
+        return _frame([{name: row.get(name) for name in names} for row in found])
 
     def levels_by(self, *columns: str) -> "pandas.DataFrame":
         """A row of each level of each run, with `problem`, `strategy`, `seed`, `level` and the named columns. Names are
-        those of fields of `document["runs"][i]["levels"][j]`, joined by dots: `measure.tree.cross.coverage`,
-        `resolved_for.rejections`. A name ends in `*` for all that begin so.
+        those of the columns of `document["levels"]`, and of the measured sets the space, the role, the path and the
+        quantity: `measure.root.tree.cross.coverage`, `resolved_for.rejections`. A name ends in `*` for all that begin so.
 
         Raises trellis.Error for a name that no level has, and ImportError without pandas.
         """
-        rows = self._level_rows()
-        known: Dict[str, None] = {name: None for row in rows for name in row}
+        levels = self._level_rows()
+        known: Dict[str, None] = {name: None for row in levels for name in row}
         chosen: Dict[str, None] = dict.fromkeys(("problem", "strategy", "seed", "level"))
         for column in columns:
             found = [name for name in known if name == column or column[-1:] == "*" and name.startswith(column[:-1])]
@@ -183,7 +197,7 @@ class Result:
                 near = difflib.get_close_matches(column, known, 1)
                 raise Error(f"levels_by: no level has '{column}'" + (f"; did you mean '{near[0]}'?" if near else ""))
             chosen.update(dict.fromkeys(found))
-        return _frame([{name: row.get(name) for name in chosen} for row in rows])
+        return _frame([{name: row.get(name) for name in chosen} for row in levels])
 
     @property
     def summary(self) -> "pandas.DataFrame":

@@ -14,6 +14,7 @@
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
+#include "support/results.hpp"
 
 using Json = nlohmann::json;
 using trellis::test::content;
@@ -179,7 +180,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
       {"run", "script.lua", "--quiet", "--html", "report.html", "--samples", "samples", "--json", "all.json"});
   INFO(outcome.err);
   REQUIRE(outcome.status == 0);
-  const Json document = Json::parse(content(place / "all.json"));
+  const Json document = trellis::test::with_levels(Json::parse(content(place / "all.json")));
   const auto run_of = [&](const std::string& problem, const std::string& strategy, int seed) {
     for (const auto& run : document["runs"]) {
       if (run["problem"] == problem && run["strategy"] == strategy && run["seed"] == seed) return run;

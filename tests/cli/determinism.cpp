@@ -19,6 +19,7 @@
 #include "support/image.hpp"
 #include "support/manipulators.hpp"
 #include "support/process.hpp"
+#include "support/results.hpp"
 
 using Json = nlohmann::json;
 using trellis::test::content;
@@ -67,7 +68,7 @@ std::string counts_of(const Json& run) {
 using Hashes = std::map<std::string, Hash>;  // by script, problem and strategy
 
 void add_runs(const std::string& script, const Place& place, Hashes& hashes) {
-  const Json document = Json::parse(content(place / "all.json"));
+  const Json document = trellis::test::with_levels(Json::parse(content(place / "all.json")));
   for (const Json& run : document.at("runs")) {
     const auto problem = run.at("problem").get<std::string>();
     const auto strategy = run.at("strategy").get<std::string>();

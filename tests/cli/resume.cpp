@@ -126,9 +126,9 @@ TEST_CASE("a run takes stored scores, and only what is missing is made again", "
   scores.replace(at, field.size(), "\"coverage\":0.123456789");
   std::ofstream(it.place / "made/scores.jsonl") << scores;
   REQUIRE(it.run("made").status == 0);
-  CHECK(it.text("made/results.json").find("\"coverage\":0.123456789") != std::string::npos);
+  CHECK(it.text("made/results.json").find("0.1234568,") != std::string::npos);
   REQUIRE(it.run("made", {"--restart"}).status == 0);
-  CHECK(it.text("made/results.json").find("\"coverage\":0.123456789") == std::string::npos);
+  CHECK(it.text("made/results.json").find("0.1234568,") == std::string::npos);
 }
 
 TEST_CASE("a folder of other runs is refused, and the difference is named", "[slow]") {

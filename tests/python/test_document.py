@@ -15,6 +15,9 @@ except ImportError:
     print("skipped: jsonschema is not installed (Debian: python3-jsonschema)")
     sys.exit(77)
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+from trellis import _columns  # noqa: E402
+
 TRELLIS = os.environ["TRELLIS"]
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCHEMA = json.loads((ROOT / "docs" / "schema" / "results.json").read_text())
@@ -62,11 +65,30 @@ class Schema(unittest.TestCase):
         for damage in (lambda d: d.pop("worlds"), lambda d: d["worlds"][0].pop("bounds"),
                        lambda d: d["runs"][0].pop("seed"), lambda d: d.update(more=1),
                        lambda d: d["runs"][0].update(time_s="fast"), lambda d: d["robots"][0].update(kind="car"),
-                       lambda d: d["scenes"][0].update(world=-1), lambda d: d["trellis"].update(format=3)):
+                       lambda d: d["scenes"][0].update(world=-1), lambda d: d["trellis"].update(format=4), lambda d: d["levels"].pop("rows"),
+                       lambda d: d["levels"].update(nodes="many"), lambda d: d["measure"].update(N=-1)):
             other = copy.deepcopy(document)
             damage(other)
             with self.assertRaises(jsonschema.ValidationError):
                 self.check(other)
+
+    def test_tables_have_a_row_for_each_level_and_set(self):
+        document = run(PLANE)[1]
+        levels, measure = (_columns.rows(document[name]) for name in ("levels", "measure"))
+        self.assertEqual([(row["run"], row["level"]) for row in levels], [(0, 0), (1, 0), (2, 0)] + [
+            (run, level) for run in (3, 4, 5) for level in (0, 1, 2)])
+        self.assertEqual({row["name"] for row in levels}, {"root", "shrink(0.5)", "skeleton()"})
+        sources = levels[0]["sources"]
+        self.assertEqual(sum(count for _, count in sources), levels[0]["proposals"])
+        sets = {(row["run"], row["level"], row["space"], row["path"], row["role"]) for row in measure}
+        self.assertEqual(len(sets), len(measure))
+        self.assertIn((3, 2, "root", "self", "tree"), sets)
+        setups = _columns.rows(document["setups"])
+        self.assertEqual([row["strategy"] for row in setups], ["nested"])
+        self.assertGreater(setups[0]["shared_set_up_s"], 0)
+        # Whichever run computed it, each reports what it took.
+        shared = [one["shared_set_up_s"] for one in document["runs"][3:]]
+        self.assertEqual(shared, [shared[0]] * 3)
 
     def test_samples_are_where_the_document_says(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -75,10 +97,12 @@ class Schema(unittest.TestCase):
             self.assertEqual([(r["problem"], r["strategy"], int(r["seed"])) for r in index["runs"]],
                              [(r["problem"], r["strategy"], r["seed"]) for r in document["runs"]])
             self.assertEqual(index["robots"][:len(document["robots"])], document["robots"])
+            table = _columns.rows(document["levels"])
             for entry, of in zip(index["runs"], document["runs"]):
                 levels = json.loads(pathlib.Path(folder, entry["file"]).read_text())["levels"]
-                self.assertEqual([l["name"] for l in levels], [l["name"] for l in of["levels"]])
-                self.assertEqual([l["all"] for l in levels], [[l["proposals"], l["nodes"]] for l in of["levels"]])
+                rows = [row for row in table if row["run"] == document["runs"].index(of)]
+                self.assertEqual([l["name"] for l in levels], [row["name"] for row in rows])
+                self.assertEqual([l["all"] for l in levels], [[row["proposals"], row["nodes"]] for row in rows])
         self.assertIsNone(run(PLANE)[1]["samples"])
 
     def test_a_folder_of_results_has_samples_and_its_document_makes_the_page(self):

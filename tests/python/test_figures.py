@@ -471,7 +471,7 @@ class Worlds(unittest.TestCase):
         results = figures.read(DOCUMENTS["plane"])
         axes = figures.levels_of_world(results)
         run = results.runs("trap", "nested")[0]
-        for ax, entry in zip(axes, reversed(run["levels"])):
+        for ax, entry in zip(axes, reversed(results.levels(run))):
             texts = " ".join(text.get_text() for text in ax.texts)
             self.assertIn(f": {entry['validity_checks']:,} checks", texts)
         self.assertEqual([ax.texts[0].get_text() for ax in axes], ["skeleton()", ">> lazy()", ">> rrt"])

@@ -22,6 +22,7 @@ VALUES = {"rrt": (1.0, 1.1, 1.2, 1.3, 1.4), "irc": (2.0, 2.1, 2.3, 2.5, 2.6), "d
 def results(folder):
     """Writes the files of a run that compare.py reads."""
     runs = []
+    measure = {"rows": 0, **{name: [] for name in ("run", "level", "role", "path", "estimator", "SE")}}
     rows = ["problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite"]
     for strategy, values in VALUES.items():
         middle = sum(values) / len(values)
@@ -29,12 +30,14 @@ def results(folder):
             rows.append(f"trap,{strategy},tree,{path},headline,SE,{middle},{middle - 0.1},{middle + 0.1},3,0")
             rows.append(f"trap,{strategy},expansion,{path},headline,SE,,,,0,0")
         for seed, value in enumerate(values):
-            measured = {"estimator": "knn", "SE": value}
-            runs.append({"problem": "trap", "strategy": strategy, "seed": seed, "levels": [
-                {"measure": {role: {"self": measured if role == "tree" else None,
-                                    "cross": measured if role == "tree" else None} for role in compare.ROLES}}]})
+            for path in ("self", "cross"):
+                row = {"run": len(runs), "level": 0, "role": "tree", "path": path, "estimator": "knn", "SE": value}
+                measure["rows"] += 1
+                for name, cell in row.items():
+                    measure[name].append(cell)
+            runs.append({"problem": "trap", "strategy": strategy, "seed": seed})
     document = {"experiment": {"problems": [{"name": "trap"}], "strategies": [{"name": name} for name in VALUES]},
-                "runs": runs, "pooled": []}
+                "runs": runs, "measure": measure, "pooled": {"rows": 0}}
     (folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
     (folder / "table.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 

@@ -11,6 +11,7 @@
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
+#include "support/results.hpp"
 #include "support/scenes.hpp"
 
 using Json = nlohmann::json;
@@ -48,7 +49,7 @@ const Result& run(const std::string& name) {
   if (name == "correlation_arms.lua") command.insert(command.end(), {"--seeds", "1"});
   result.outcome = place.run(command);
   const std::string text = trellis::test::content(place / "all.json");
-  if (!text.empty()) result.document = Json::parse(text);
+  if (!text.empty()) result.document = trellis::test::with_levels(Json::parse(text));
   return result;
 }
 
@@ -304,7 +305,7 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
           {"run", example(script), "--seeds", "3", "--cross", "0", "--json", "all.json", "--jobs", "2", "--quiet"});
       INFO(outcome.err);
       REQUIRE(outcome.status == 0);
-      return Json::parse(trellis::test::content(place / "all.json"));
+      return trellis::test::with_levels(Json::parse(trellis::test::content(place / "all.json")));
     };
     // The library's presets bear the methods' own names in their script.
     static const Json document = [&] {

@@ -6,6 +6,7 @@
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/results.hpp"
 
 using namespace trellis;
 using nlohmann::json;
@@ -14,7 +15,7 @@ namespace {
 
 json parsed() {
   const auto [experiment, result] = fixture::passage();
-  return json::parse(fixture::report_json(experiment, result, "examples/nested.lua"));
+  return test::with_levels(json::parse(fixture::report_json(experiment, result, "examples/nested.lua")));
 }
 
 }  // namespace
@@ -80,9 +81,9 @@ TEST_CASE("JSON holds every run and level", "[report][json]") {
       CHECK(level.at("nodes") == record.search.nodes.size());
       CHECK(level.at("validity_checks") == record.search.checks.validity);
       CHECK(level.at("motion_checks") == record.search.checks.motion);
-      const json& spent = level.at("spent");
-      CHECK(spent.is_null() != record.guided);
+      CHECK(level.at("spent").at("guided").at("validity_checks").is_null() != record.guided);
       if (record.guided) {
+        const json& spent = level.at("spent");
         CHECK(spent.at("guided").at("validity_checks") == record.guided_checks);
         CHECK(spent.at("guided").at("proposals") == record.guided_proposals);
         CHECK(spent.at("unguided").at("validity_checks") == record.unguided_checks);
@@ -122,7 +123,7 @@ TEST_CASE("JSON figures", "[report][json]") {
   const json& skeleton = run.at("levels").at(3);
   CHECK(skeleton.at("proposals") == 0);
   const json& none = skeleton.at("measure").at("expansion").at("self");
-  for (const char* name : {"D", "SE", "above_uniform", "coverage", "estimator"}) CHECK(none.at(name).is_null());
+  for (const char* name : {"D", "SE", "above_uniform", "coverage"}) CHECK(none.at(name).is_null());
   CHECK(none.at("N") == 0);
   const json& censored = skeleton.at("measure").at("root").at("tree").at("self");
   CHECK(censored.at("D") == "inf");
@@ -143,23 +144,15 @@ TEST_CASE("JSON summary", "[report][json]") {
   CHECK(plain.at("runs") == 15);
   CHECK(plain.at("solved") == 14);
   CHECK(plain.at("success").at("value").get<double>() == Approx(14.0 / 15.0));
-  CHECK(plain.at("length").at("n") == 14);
-  const json& figure =
-      document.at("summary").at(1).at("levels").at(1).at("measure").at("expansion").at("self").at("SE");
-  CHECK(figure.at("statistic") == "median");
-  CHECK(figure.at("infinite") == 1);
-  CHECK(figure.at("lo").is_null());
-
-  // Two thirds of the checks of 92 nodes, at the median seed; a level that nothing guides has no sides.
-  const json& levels = document.at("summary").at(1).at("levels");
-  const json& spent = levels.at(0).at("spent_median");
-  CHECK(spent.at("guided").at("validity_checks") == 1840.0);
-  CHECK(spent.at("unguided").at("validity_checks") == 920.0);
-  CHECK(spent.at("below").at("validity_checks") == 2760.0 + 750.0);
-  CHECK(spent.at("guided").at("proposals").get<double>() + spent.at("unguided").at("proposals").get<double>() == 184.0);
-  CHECK(spent.at("below").at("proposals") == 92.0 + 184.0);
-  CHECK(levels.at(3).at("spent_median").is_null());
-  CHECK(plain.at("levels").at(0).at("spent_median").is_null());
+  CHECK(plain.at("length").contains("lo"));
+  // What runs and the table of the measure have stands there alone, but for the means that figures correlate.
+  for (const json& entry : document.at("summary")) {
+    for (const json& level : entry.at("levels")) CHECK_FALSE(level.contains("measure"));
+  }
+  const RunsSummary nested = summarise(facts_of(fixture::passage().first, fixture::passage().second), "simple_passage", "nested");
+  const json& means = document.at("summary").at(1).at("means").at("tree").at("self");
+  CHECK(means.at("runs") == nested.levels.front().own.tree.scored);
+  CHECK(means.at("SE_parts").at("mass").get<double>() == nested.levels.front().own.tree["SE_parts.mass"].value);
 
   // Several problems: one more entry per strategy, over all of them.
   const auto [experiment, result] = fixture::queries();
@@ -195,7 +188,7 @@ TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][
   resolves.invalid_path = 1;
   resolves.exhausted = true;
   result.runs[16].run.improvements = {{120, 0.5, 14.0}, {300, 0.75, 12.5}};
-  const json document = json::parse(fixture::report_json(experiment, result, ""));
+  const json document = test::with_levels(json::parse(fixture::report_json(experiment, result, "")));
   const std::string printed = report_text(summarise(facts_of(experiment, result)), 160, ReportKind::levels);
   const auto one_line = [](std::string text) {
     std::string out;
@@ -229,10 +222,9 @@ TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][
     REQUIRE(row != std::string::npos);
     const std::string line = printed.substr(row, printed.find('\n', row) - row);
     CHECK(line.find(word) != std::string::npos);
-    CHECK((verdict.at("pairs_needed").is_null() || word == "not shown"));
+    CHECK((!verdict.contains("pairs_needed") || word == "not shown"));
     CHECK(verdict.at("pairs") == 15);
-    CHECK(line.find(verdict.at("text").get<std::string>().substr(0, 20)) != std::string::npos);
-    if (!verdict.at("explained_by").is_null()) {
+    if (verdict.contains("explained_by")) {
       CHECK(line.ends_with("; " + verdict.at("explained_by").get<std::string>() + ")"));
     }
   }
@@ -244,8 +236,6 @@ TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][
   CHECK(level.at("resolved_for").at("changed_world") == 0);
   CHECK(level.at("exhausted") == true);
   CHECK(level.at("limit_reached") == false);
-  CHECK(nested.at("levels").at(2).at("resolved_for").at("rejections") == 2);
-  CHECK(nested.at("levels").at(2).at("exhausted_runs") == 1);
   const json& improvements = document.at("runs").at(16).at("improvements");
   REQUIRE(improvements.size() == 2);
   CHECK(improvements.at(1) == json({{"checks", 300}, {"cpu_s", 0.75}, {"length", 12.5}}));

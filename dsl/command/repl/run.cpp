@@ -15,6 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/scoring.hpp>
+#include <trellis/report/records.hpp>
 
 namespace trellis::command {
 
@@ -176,9 +177,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json read_json(const std::string& path) {
-  constexpr std::size_t largest = std::size_t{1} << 30U;
-  const std::string text = dsl::read_file(path, largest);
+Json read_json(const std::string& text, const std::string& path) {
   try {
     return Json::parse(text);
   } catch (const Json::exception& error) {
@@ -199,59 +198,50 @@ std::string find_script(const std::string& document, const std::string& script) 
                   document, script));
 }
 
-std::string status_name(Status status) {
-  std::string name(to_string(status));
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return name;
-}
-
 /// Returns the first difference between the document's run and a new one.
-std::string difference_text(const Json& entry, const RunResult& run) {
+std::string difference_text(const RunFacts& stored, const RunResult& run) {
   const auto differ = [](const std::string& what, const auto& x, const auto& y) {
     return fmt::format("{}: {} in the document, {} now", what, x, y);
   };
-  const std::string status = entry.at("status");
-  if (status != status_name(run.run.status)) return differ("status", status, status_name(run.run.status));
-  const std::uint64_t checks = entry.at("validity_checks");
-  if (checks != run.run.validity_checks) return differ("validity checks", checks, run.run.validity_checks);
-  const std::vector<std::vector<double>> path = entry.at("path");
+  if (stored.status != run.run.status) return differ("status", to_string(stored.status), to_string(run.run.status));
+  if (stored.validity_checks != run.run.validity_checks) {
+    return differ("validity checks", stored.validity_checks, run.run.validity_checks);
+  }
   // With shortcutting, the document's path differs from that of the search.
-  const bool shortened = entry.at("shortcut_checks") != 0;
-  if (!shortened) {
-    bool same = path.size() == (run.run.solved ? run.run.path.size() : 0);
-    for (std::size_t i = 0; same && i < path.size(); ++i) {
-      const View q = run.run.path[i];
-      same = std::equal(path[i].begin(), path[i].end(), q.begin(), q.end());
+  if (stored.shortcut_checks == 0) {
+    const Configurations found = run.run.solved ? run.run.path : Configurations();
+    bool same = stored.path.size() == found.size();
+    for (std::size_t i = 0; same && i < found.size(); ++i) {
+      same = std::equal(stored.path[i].begin(), stored.path[i].end(), found[i].begin(), found[i].end());
     }
     if (!same) return "the paths differ";
   }
-  const Json& levels = entry.at("levels");
-  if (levels.size() != run.levels.size()) return differ("levels", levels.size(), run.levels.size());
-  for (std::size_t i = 0; i < levels.size(); ++i) {
+  if (stored.levels.size() != run.levels.size()) return differ("levels", stored.levels.size(), run.levels.size());
+  for (std::size_t i = 0; i < stored.levels.size(); ++i) {
     const Search& search = run.levels[i].record.search;
-    const std::size_t proposals = levels[i].at("proposals");
-    const std::size_t nodes = levels[i].at("nodes");
-    if (proposals != search.proposals.size()) {
-      return differ(fmt::format("proposals of level {}", i), proposals, search.proposals.size());
+    const LevelFacts& level = stored.levels[i];
+    if (level.proposals != search.proposals.size()) {
+      return differ(fmt::format("proposals of level {}", i), level.proposals, search.proposals.size());
     }
-    if (nodes != search.nodes.size()) return differ(fmt::format("nodes of level {}", i), nodes, search.nodes.size());
+    if (level.nodes != search.nodes.size()) {
+      return differ(fmt::format("nodes of level {}", i), level.nodes, search.nodes.size());
+    }
   }
   return "";
 }
 
-Replayed replay_entry(const Json& document, const std::string& path, std::int64_t index,
-                      const std::function<bool()>& interrupted) {
-  const Json& runs = document.at("runs");
+Replayed replay_entry(const Json& document, const std::vector<RunFacts>& runs, const std::string& path,
+                      std::int64_t index, const std::function<bool()>& interrupted) {
   if (index < 1 || static_cast<std::size_t>(index) > runs.size()) {
     throw Error(fmt::format("replay: '{}' has the runs 1 to {}, got {}", path, runs.size(), index));
   }
-  const Json& entry = runs[static_cast<std::size_t>(index) - 1];
+  const RunFacts& entry = runs[static_cast<std::size_t>(index) - 1];
   const std::string script = document.at("script");
   if (script.empty()) throw Error(fmt::format("replay: '{}' names no script that made it", path));
   const std::string found = find_script(path, script);
   dsl::Program program = dsl::load_script(found);
-  const std::string problem_name = entry.at("problem");
-  const std::string strategy_name = entry.at("strategy");
+  const std::string problem_name = entry.problem;
+  const std::string strategy_name = entry.strategy;
   Experiment& experiment = program.experiment;
   const auto named = [&](const auto& pair) { return pair.first == strategy_name; };
   auto strategy = std::find_if(experiment.strategies.begin(), experiment.strategies.end(), named);
@@ -276,7 +266,7 @@ Replayed replay_entry(const Json& document, const std::string& path, std::int64_
     }
   }
   const auto run = std::make_shared<Run>(
-      Run{.strategy_name = strategy_name, .strategy = strategy->second, .problem = *problem, .seed = entry.at("seed")});
+      Run{.strategy_name = strategy_name, .strategy = strategy->second, .problem = *problem, .seed = entry.seed});
   advance(*run, std::numeric_limits<std::uint64_t>::max(), interrupted);
   if (!run->ended()) return {"interrupted before there was anything to compare", run};
   const std::string difference = difference_text(entry, run->result());
@@ -288,9 +278,11 @@ Replayed replay_entry(const Json& document, const std::string& path, std::int64_
 }  // namespace
 
 Replayed replay_file(const std::string& path, std::int64_t index, const std::function<bool()>& interrupted) {
-  const Json document = read_json(path);
+  constexpr std::size_t largest = std::size_t{1} << 30U;
+  const std::string text = dsl::read_file(path, largest);
+  const Json document = read_json(text, path);
   try {
-    return replay_entry(document, path, index, interrupted);
+    return replay_entry(document, read_results(text, path).runs, path, index, interrupted);
   } catch (const Json::exception& error) {
     throw Error(fmt::format("replay: '{}' is no document of 'trellis run --json': {}", path, error.what()));
   }

@@ -335,17 +335,16 @@ void write_results(const std::string& folder, const Manifest& manifest,
   FileWriter runs(in(folder, "runs.jsonl"));
   FileWriter document(in(folder, "results.json"));
   FileWriter table(in(folder, "runs.csv"));
-  document.write(runs_document_begin(manifest.script, manifest.experiment, manifest.scenery));
+  RunsDocument results;
+  document.write(results.begin(manifest.script, manifest.experiment, manifest.scenery));
   table.write(runs_csv_header());
-  bool first = true;
   for (const std::size_t run : cells_of(manifest.experiment, manifest.shard)) {
     const std::string record = line(run);
     runs.write(record + '\n');
-    document.write(runs_document_run(record, first));
+    document.write(results.add(read_run(record)));
     table.write(runs_csv_row(record));
-    first = false;
   }
-  document.write(runs_document_end(!first));
+  document.write(results.end());
   for (FileWriter* file : {&runs, &document, &table}) file->publish();
 }
 

@@ -9,7 +9,9 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-FORMAT = 4
+from .._columns import rows
+
+FORMAT = 5
 
 _QUANTITIES = ("validity_checks", "motion_checks", "time_s", "cpu_s")
 
@@ -90,6 +92,8 @@ class Results:
         comparisons = document.get("comparisons") or []
         left_out = {entry["strategy"] for entry in comparisons if entry.get("ablation")}
         self._listed = [name for name in self._specs if name not in left_out]
+        self._levels: Optional[Dict[int, List[Mapping[str, Any]]]] = None
+        self._pooled: Optional[Dict[Tuple[str, str], Dict[str, Mapping[str, Any]]]] = None
         self._runs: Dict[Tuple[str, str], List[Mapping[str, Any]]] = {}
         for run in document.get("runs") or []:
             self._runs.setdefault((run["problem"], run["strategy"]), []).append(run)
@@ -161,6 +165,33 @@ class Results:
         where = self.problems if problem is None else [problem]
         return [run for name in where for run in self._runs.get((name, strategy), [])]
 
+    def levels(self, run: Mapping[str, Any]) -> List[Mapping[str, Any]]:
+        """The levels of a run of `runs`, the robot's own first: rows of the document's table, with the names of its
+        columns."""
+        for part in self.parts:
+            if any(other is run for other in part.document["runs"]):
+                return part.levels(run)
+        if self._levels is None:
+            self._levels = {}
+            for row in rows(self.document["levels"]):
+                self._levels.setdefault(row["run"], []).append(row)
+        number = next(i for i, other in enumerate(self.document["runs"]) if other is run)
+        return self._levels.get(number, [])
+
+    def pooled(self, problem: str, strategy: str) -> Mapping[str, Mapping[str, Any]]:
+        """The samples of the robot's own level of all seeds together: rows of the table `pooled`, by their role."""
+        if self.parts:
+            # Samples of several documents do not add up.
+            own = [part for part in self.parts if part.runs(problem, strategy)]
+            return own[0].pooled(problem, strategy) if len(own) == 1 else {}
+        table = self.document["pooled"]
+        if self._pooled is None:
+            self._pooled = {}
+            for row in rows(table) if table["rows"] else []:
+                if row["key"] == "0":
+                    self._pooled.setdefault((row["problem"], row["strategy"]), {})[row["role"]] = row
+        return self._pooled.get((problem, strategy), {})
+
     def costs(self, problem: Optional[str], strategy: str, cost: str = "validity_checks") -> "np.ndarray[Any, Any]":
         """What each run costs until its first path; infinite for a run without a path, NaN where it has no such value.
 
@@ -206,12 +237,12 @@ class Results:
     def ratio(self, problem: Optional[str], strategy: str) -> Interval:
         """The median of the validity checks divided by the baseline's on the same seed, with its 95 % interval."""
         entry = self.comparison(problem, strategy)
-        return Interval() if entry is None else Interval.of(entry["validity_checks"]["ratio"])
+        return Interval() if entry is None else Interval.of(entry["ratio"])
 
     def shown(self, problem: Optional[str], strategy: str) -> bool:
         """Whether the sign test, corrected by Holm, shows a difference to the baseline (5 %)."""
         entry = self.comparison(problem, strategy)
-        return entry is not None and number(entry["validity_checks"]["holm_p"]) < 0.05
+        return entry is not None and number(entry["holm_p"]) < 0.05
 
     def solved(self, problem: Optional[str], strategy: str) -> Tuple[int, int]:
         """The numbers of solved runs and of runs."""

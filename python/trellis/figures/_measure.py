@@ -30,7 +30,7 @@ def _steps(entry: Mapping[str, Any], role: str) -> List[_Step]:
     """A row of each level, the guides first, then the sum; none where no level has a value."""
     found = []
     levels = entry["levels"]
-    steps = entry["waterfall"][role]["steps"]
+    steps = entry.get("waterfall", {}).get(role, [])
     counts: Dict[int, int] = {}
     for step in steps:
         counts[step["level"]] = counts.get(step["level"], 0) + 1
@@ -195,15 +195,15 @@ class Correlation(NamedTuple):
     differences: List[Interval]  # of PAIRS
 
 
-def _mean_nats(entries: Sequence[Mapping[str, Any]], role: str, paths: str) -> Optional[Nats]:
+def _mean_nats(results: Results, problem: str, strategy: str, role: str, paths: str) -> Optional[Nats]:
     """The mean over the runs of all documents, of their roots."""
     mean: Optional[Nats] = None
     runs = 0
-    for entry in entries:
-        nats = _nats(entry["levels"][0], role, paths) if entry["levels"] else None
+    for part in results.parts or [results]:
+        nats = _nats(part, problem, strategy, role, paths)
         if nats is None:
             continue
-        here = int(entry["levels"][0]["measure"][role][paths]["runs"])
+        here = int((part.summary(problem, strategy) or {})["means"][role][paths]["runs"])
         runs += here
         mean = nats if mean is None else (mean[0] + (nats[0] - mean[0]) * here / runs,
                                           mean[1] + (nats[1] - mean[1]) * here / runs,
@@ -212,25 +212,20 @@ def _mean_nats(entries: Sequence[Mapping[str, Any]], role: str, paths: str) -> O
     return mean
 
 
-def _nats(root: Mapping[str, Any], role: str, paths: str) -> Optional[Nats]:
-    measure = (root.get("measure") or {}).get(role) or {}
-    figure = measure.get(paths)
-    if not figure or not figure.get("runs"):
+def _nats(results: Results, problem: str, strategy: str, role: str, paths: str) -> Optional[Nats]:
+    entry = results.summary(problem, strategy) or {}
+    mean = ((entry.get("means") or {}).get(role) or {}).get(paths)
+    if not mean:
         return None
-    mean = [number(entry["value"]) if entry else math.nan
-            for entry in (figure["D_uniform"], figure["SE_parts"]["mass"], figure["SE_parts"]["spread"],
-                          figure["above_uniform"])]
-    nats = (_hitting(root, role, paths, figure), mean[0] - mean[1], -mean[2], mean[3])
+    uniform, above = number(mean["D_uniform"]), number(mean["above_uniform"])
+    mass, spread = (number(mean["SE_parts"][part]) for part in ("mass", "spread"))
+    # Of all seeds together on the paths of other seeds, else the mean over the runs.
+    hitting = number(mean["hitting"]["nats"])
+    if paths == "cross":
+        of_all = number(results.pooled(problem, strategy).get(role, {}).get("hitting.nats"))
+        hitting = hitting if math.isnan(of_all) else of_all
+    nats = (hitting, uniform - mass, -spread, above)
     return nats if all(math.isfinite(x) for x in nats[1:]) else None
-
-
-def _hitting(root: Mapping[str, Any], role: str, paths: str, figure: Mapping[str, Any]) -> float:
-    """Of all seeds together on the paths of other seeds, else the mean over the runs; NaN in older documents."""
-    pooled = (((root.get("measure") or {}).get("pooled") or {}).get(role) or {}).get("hitting") or {}
-    if paths == "cross" and pooled.get("nats") is not None:
-        return number(pooled["nats"])
-    entry = (figure.get("hitting") or {}).get("nats")
-    return number(entry["value"]) if entry else math.nan
 
 
 def correlate(results: Results, proposals: bool = False) -> Optional[Correlation]:
@@ -241,11 +236,8 @@ def correlate(results: Results, proposals: bool = False) -> Optional[Correlation
     for problem in results.problems:
         found: Dict[str, Dict[str, Nats]] = {"cross": {}, "self": {}}
         for name in results.others + ([results.baseline] if results.baseline else []):
-            entry = results.summary(problem, name)
-            if entry is None:
-                continue
             for paths, its in found.items():
-                nats = _mean_nats(entry.get("parts") or [entry], role, paths)
+                nats = _mean_nats(results, problem, name, role, paths)
                 if nats is not None:
                     its[name] = nats
         chosen = found["cross"] or found["self"]

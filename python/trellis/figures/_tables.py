@@ -51,7 +51,7 @@ def _costs(results: Results) -> List[Dict[str, Any]]:
                 "problem": title(results, problem), "strategy": strategy, "solved": solved, "runs": runs,
                 "checks": checks.value, "checks_lo": checks.lo, "checks_hi": checks.hi,
                 "ratio": ratio.value, "ratio_lo": ratio.lo, "ratio_hi": ratio.hi,
-                "holm_p": number(comparison["validity_checks"]["holm_p"]) if comparison else math.nan,
+                "holm_p": number(comparison["holm_p"]) if comparison else math.nan,
                 "time_ms": 1000 * results.median(problem, strategy, "time_s").value,
                 "length_m": Interval.of(entry.get("length")).value,
             })

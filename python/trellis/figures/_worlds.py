@@ -436,7 +436,7 @@ def levels_of_world(document: Document, *, problem: Optional[str] = None, strate
 def _draw_whole_level(one: Any, view: View, scene: Scene, results: Results, run: Run, levels: Sequence[Level],
                       number: int, robot: bool) -> None:
     """A level with its path and its heading, and the robot along it or not."""
-    level, entry = levels[number], run["levels"][number]
+    level, entry = levels[number], results.levels(run)[number]
     colour = _level_colour(results, run["strategy"], number)
     path = path_of(run)
     view.begin(one, _bodies(scene, path, colour) if robot else [])

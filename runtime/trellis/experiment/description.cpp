@@ -318,6 +318,9 @@ ExperimentFacts facts_of(const Experiment& experiment, const ExperimentResult& r
   facts.runs.reserve(result.runs.size());
   for (const RunResult& run : result.runs) facts.runs.push_back(facts_of(run));
   facts.pooled = result.pooled;
+  for (PooledScores& one : facts.pooled) {
+    one.scores = {rounded(one.scores.tree), rounded(one.scores.expansion)};
+  }
   facts.left_out = result.left_out;
   facts.uncoupled = result.uncoupled;
   add_obstruction(experiment, facts);

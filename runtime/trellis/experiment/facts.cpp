@@ -16,6 +16,14 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+LevelScores rounded(LevelScores scores) {
+  for (auto* of : {&scores.own, &scores.root, &scores.own_cross, &scores.root_cross, &scores.equal, &scores.oracle,
+                   &scores.uniform}) {
+    if (*of) *of = Scores{rounded((*of)->tree), rounded((*of)->expansion)};
+  }
+  return scores;
+}
+
 LevelFacts facts_of(const LevelResult& level) {
   const LevelRecord& record = level.record;
   const Search& search = record.search;
@@ -40,7 +48,7 @@ LevelFacts facts_of(const LevelResult& level) {
   const LevelScores& scores = level;
   const bool scored = scores.own || scores.root || scores.own_cross || scores.root_cross || scores.equal ||
                       scores.oracle || scores.uniform || scores.metrics;
-  if (scored) facts.scores = std::make_shared<const LevelScores>(scores);
+  if (scored) facts.scores = std::make_shared<const LevelScores>(rounded(scores));
   return facts;
 }
 

@@ -251,8 +251,8 @@ struct ExperimentFacts {
 inline constexpr std::size_t most_single_problems = 6;
 
 /// The format of the document that this version writes, and the oldest one that has all that reports read: format 4
-/// adds worlds, robots and samples.
-inline constexpr int document_format = 4;
+/// adds worlds, robots and samples; format 5 has tables of levels and of their scores.
+inline constexpr int document_format = 5;
 inline constexpr int oldest_reported_format = 3;
 
 /// Sets what the object `experiment` of a document has. May throw exceptions of the JSON library.

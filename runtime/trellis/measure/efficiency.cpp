@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -361,6 +362,36 @@ Efficiency shown(Efficiency efficiency) {
   show(efficiency);
   for (Estimate& other : efficiency.others) show(other);
   return efficiency;
+}
+
+Efficiency rounded(Efficiency e) {
+  const auto round = [](double& x) {
+    if (std::isfinite(x)) x = std::strtod(fmt::format("{:.7g}", x).c_str(), nullptr);
+  };
+  const auto round_estimate = [&](Estimate& one) {
+    for (double* x : {&one.value, &one.unregularised, &one.above_uniform}) round(*x);
+    for (ChainRule* parts : {&one.parts, &one.unregularised_parts}) {
+      for (double* x : {&parts->mass, &parts->spread, &parts->along, &parts->across}) round(*x);
+    }
+  };
+  round_estimate(e);
+  for (Estimate& other : e.others) round_estimate(other);
+  for (double* x : {&e.uniform, &e.perfect, &e.value_lo, &e.value_hi, &e.mass, &e.mass_lower95, &e.mass_lo, &e.mass_hi,
+                    &e.coverage, &e.free_share, &e.along.divergence, &e.along.empty_share, &e.along.length,
+                    &e.along.corrected, &e.along.regularised, &e.hitting.length, &e.hitting.samples}) {
+    round(*x);
+  }
+  for (BallHits* hits : {&e.hitting.position, &e.hitting.full}) {
+    for (double* x : {&hits->hitting, &hits->hitting_lo, &hits->hitting_hi, &hits->bottleneck, &hits->at,
+                      &hits->bottleneck_lo, &hits->bottleneck_hi}) {
+      round(*x);
+    }
+  }
+  constexpr double unit = 10000.0;
+  for (std::vector<double>* shares : {&e.along.target, &e.along.samples}) {
+    for (double& share : *shares) share = std::round(unit * share) / unit;
+  }
+  return e;
 }
 
 Efficiency mean(std::span<const Efficiency> figures) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -35,99 +37,31 @@ Json numbers(const std::vector<double>& values) {
   return out;
 }
 
-Json spent_json(const SpentSummary& spent) {
-  return {{"validity_checks", number(spent.validity_checks)}, {"proposals", number(spent.proposals)}};
-}
-
-Json spent_json(const LevelSummary& level) {
-  if (!level.guided) return nullptr;
-  return {{"guided", spent_json(level.by_guided)},
-          {"unguided", spent_json(level.by_unguided)},
-          {"below", spent_json(level.by_below)}};
-}
-
+/// Without the ends where there are none.
 Json interval_json(const Interval& interval) {
-  return {{"value", number(interval.value)}, {"lo", number(interval.lo)},
-          {"hi", number(interval.hi)},       {"n", interval.n},
-          {"infinite", interval.infinite},   {"statistic", interval.infinite > 0 ? "median" : "mean"}};
-}
-
-/// The names of a run's measure, each with an interval over the runs.
-/// \param profile  whether to write the profile along the path
-Json measure_json(const Figure& f, bool profile = false) {
-  Json flags = Json::object();
-  for (const auto& [flag, runs] : f.flags) flags[flag] = runs;
-  Json check = nullptr;
-  if (!f.check.empty()) {
-    check = {{"estimator", f.check}, {"difference", interval_json(f.check_difference.difference)}};
-  }
-  Json out = Json::object();
-  for (const MeasureQuantity& quantity : measure_quantities) {
-    if (quantity.in_runs) json::place_of(quantity, out) = interval_json(f[MeasureIndex(quantity)]);
-  }
-  if (profile) {
-    Json shares = Json::array();
-    for (const Interval& share : f.profile) shares.push_back(interval_json(share));
-    out["along"].update({{"target", numbers(f.profile_target)}, {"samples", std::move(shares)}});
-  }
-  out.update({{"N_median", number(f.samples)},
-              {"n_median", number(f.in_target)},
-              {"runs", f.scored},
-              {"estimators", f.estimators},
-              {"reasons", f.reasons},
-              {"check", std::move(check)},
-              {"flags", std::move(flags)}});
+  Json out = {{"value", number(interval.value)}};
+  if (std::isnan(interval.lo) && std::isnan(interval.hi)) return out;
+  out["lo"] = number(interval.lo);
+  out["hi"] = number(interval.hi);
   return out;
 }
 
-/// \param profile  whether the figures on the own path have the profile along it
-Json roles_json(const FigurePair& self, const FigurePair& cross, bool profile) {
-  return {{"tree", {{"self", measure_json(self.tree, profile)}, {"cross", measure_json(cross.tree)}}},
-          {"expansion", {{"self", measure_json(self.expansion, profile)}, {"cross", measure_json(cross.expansion)}}}};
-}
-
-/// The figure that reports print first.
-Json headline_json(const LevelSummary& level, SampleRole role) {
-  const Headline found = headline(level, role);
-  return {{"lo", number(found.above.lo)},
-          {"hi", number(found.above.hi)},
-          {"exact", found.above.exact},
-          {"seeds", found.seeds > 0 ? Json(found.seeds) : Json(nullptr)},
-          {"blank", found.above.blank.empty() ? Json(nullptr) : Json(found.above.blank)}};
-}
-
-/// The samples of all seeds together; null without.
-Json pooled_json(const LevelSummary& level) {
-  if (!level.pooled) return nullptr;
-  const auto differs = [&](SampleRole role) {
-    return disagree(headline(level, role).above, over_runs(level, role).above);
-  };
-  return {{"seeds", level.pooled->seeds},
-          {"targets", level.pooled->targets},
-          {"headline", level.pooled->seeds + 1 >= least_for_interval},
-          {"disagrees", {{"tree", differs(SampleRole::tree)}, {"expansion", differs(SampleRole::expansion)}}},
-          {"tree", json::measured_set(&level.pooled->tree)},
-          {"expansion", json::measured_set(&level.pooled->expansion)}};
-}
-
-Json metrics_json(const MetricsSummary& m) {
-  if (m.measured == 0) return nullptr;
-  Json nodes = Json::object();
-  for (std::size_t c = 0; c < m.classes.size(); ++c) {
-    nodes[std::string(to_string(static_cast<NodeClass>(c)))] = interval_json(m.classes[c]);
+/// What figures over several strategies show of the samples of the root; null where no run is scored.
+Json means_json(const Figure& f) {
+  if (f.scored == 0) return nullptr;
+  Json out = {{"runs", f.scored}};
+  for (const MeasureIndex quantity : {MeasureIndex("D_uniform"), MeasureIndex("SE_parts.mass"),
+                                      MeasureIndex("SE_parts.spread"), MeasureIndex("above_uniform"),
+                                      MeasureIndex("hitting.nats")}) {
+    json::place_of(measure_quantities.at(quantity.at()), out) = number(f[quantity].value);
   }
-  return {{"runs", m.measured},
-          {"node_shares", std::move(nodes)},
-          {"components", interval_json(m.components)},
-          {"coverage", interval_json(m.coverage)},
-          {"connectivity", interval_json(m.connectivity)},
-          {"information", interval_json(m.information)},
-          {"information_per_sample", interval_json(m.information_per_sample)},
-          {"proposals",
-           {{"invalid", interval_json(m.invalid)},
-            {"trapped", interval_json(m.trapped)},
-            {"redundant", interval_json(m.redundant)},
-            {"useful", interval_json(m.useful)}}}};
+  return out;
+}
+
+Json means_json(const FigurePair& self, const FigurePair& cross) {
+  if (self.tree.scored + self.expansion.scored + cross.tree.scored + cross.expansion.scored == 0) return nullptr;
+  return {{"tree", {{"self", means_json(self.tree)}, {"cross", means_json(cross.tree)}}},
+          {"expansion", {{"self", means_json(self.expansion)}, {"cross", means_json(cross.expansion)}}}};
 }
 
 Json waterfall_json(const Waterfall& waterfall) {
@@ -139,53 +73,20 @@ Json waterfall_json(const Waterfall& waterfall) {
                      {"gain_after", interval_json(step.after)},
                      {"added", interval_json(step.added)}});
   }
-  return {{"D_uniform", interval_json(waterfall.uniform)}, {"steps", std::move(steps)}};
-}
-
-Json paired_json(const Paired& paired) {
-  return {{"difference", interval_json(paired.difference)},
-          {"less", paired.less},
-          {"greater", paired.greater},
-          {"equal", paired.equal},
-          {"sign_p", number(paired.sign_p)},
-          {"holm_p", number(paired.holm_p)}};
-}
-
-/// An infinite bound is not a missing one.
-Json median_json(const Interval& interval) {
-  return {{"value", number(interval.value)}, {"lo", number(interval.lo)},
-          {"hi", number(interval.hi)},       {"n", interval.n},
-          {"infinite", interval.infinite},   {"statistic", "median"}};
-}
-
-Json paired_json(const PairedCosts& paired) {
-  return {{"ratio", median_json(paired.ratio)},
-          {"difference", median_json(paired.difference)},
-          {"pairs", paired.pairs},
-          {"solved", paired.solved},
-          {"baseline_solved", paired.reference_solved},
-          {"both_solved", paired.both_solved},
-          {"less", paired.less},
-          {"greater", paired.greater},
-          {"equal", paired.equal},
-          {"effect", number(paired.effect)},
-          {"sign_p", number(paired.sign_p)},
-          {"holm_p", number(paired.holm_p)}};
+  return steps;
 }
 
 Json comparison_json(const Comparison& c) {
+  const PairedCosts& checks = c.validity_checks;
   return {{"problem", c.problem.empty() ? Json(nullptr) : Json(c.problem)},
           {"strategy", c.strategy},
           {"baseline", c.baseline},
-          {"ablation", c.text.empty() ? Json(nullptr) : Json(c.text)},
-          {"solved", paired_json(c.solved)},
-          {"validity_checks", paired_json(c.validity_checks)},
-          {"check_ratio_median", number(c.validity_checks.ratio.value)},
-          {"paths", c.cross ? "cross" : "self"},
-          {"tree_above_uniform", paired_json(c.tree_above)},
-          {"expansion_above_uniform", paired_json(c.expansion_above)},
-          {"tree_SE", paired_json(c.tree)},
-          {"expansion_SE", paired_json(c.expansion)}};
+          {"ablation", text_or_null(c.text)},
+          {"ratio", interval_json(checks.ratio)},
+          {"pairs", checks.pairs},
+          {"less", checks.less},
+          {"greater", checks.greater},
+          {"holm_p", number(checks.holm_p)}};
 }
 
 Json bracket_json(const RatioBracket& bracket) { return {{"lo", number(bracket.lo)}, {"hi", number(bracket.hi)}}; }
@@ -197,51 +98,16 @@ Json ratio_json(const MedianRatio& ratio) {
 Json verdict_json(const Verdict& verdict) {
   if (verdict.kind == Verdict::Kind::none) return nullptr;
   const PairCounts& counts = verdict.counts;
-  return {{"verdict", verdict_word(verdict)},
-          {"text", verdict_text(verdict)},
-          {"ratio", counts.pairs > 0 ? ratio_json(verdict.ratio) : Json(nullptr)},
-          {"pairs", counts.pairs},
-          {"less", counts.less},
-          {"greater", counts.greater},
-          {"equal", counts.equal},
-          {"e_less", e_value(counts.less, counts.greater)},
-          {"e_greater", e_value(counts.greater, counts.less)},
-          {"tests", verdict.tests},
-          {"pairs_needed", verdict.pairs_needed > 0 ? Json(verdict.pairs_needed) : Json(nullptr)},
-          {"budget_spent", verdict.more_ablation > 0.0},
-          {"together", verdict.together},
-          {"explained_by", verdict.reason.empty() ? Json(nullptr) : Json(verdict.reason)}};
-}
-
-/// What the planner without guides did beside the guided searches; null where it ran beside none.
-Json beside_json(const BesideSummary& beside) {
-  if (beside.runs == 0) return nullptr;
-  return {{"runs", beside.runs},
-          {"unguided_share", number(beside.unguided_share)},
-          {"unguided_won", beside.unguided_won},
-          {"not_set_up", beside.not_set_up},
-          {"no_guided_proposal", beside.no_guided}};
-}
-
-Json parts_json(const std::vector<PartSummary>& parts) {
-  Json out = Json::array();
-  for (const PartSummary& part : parts) out.push_back({{"name", part.name}, {"proposal_share", number(part.share)}});
+  Json out = {{"verdict", verdict_word(verdict)},
+              {"ratio", counts.pairs > 0 ? ratio_json(verdict.ratio) : Json(nullptr)},
+              {"pairs", counts.pairs},
+              {"less", counts.less},
+              {"greater", counts.greater}};
+  if (verdict.pairs_needed > 0) out["pairs_needed"] = verdict.pairs_needed;
+  if (verdict.more_ablation > 0.0) out["budget_spent"] = true;
+  if (verdict.together) out["together"] = true;
+  if (!verdict.reason.empty()) out["explained_by"] = verdict.reason;
   return out;
-}
-
-Json rejections_json(const RejectionsSummary& rejections) {
-  Json by = Json::array();
-  for (const auto& [obstacle, count] : rejections.by) by.push_back({{"obstacle", obstacle}, {"proposals", count}});
-  return {{"proposals", rejections.proposals},
-          {"rejected", rejections.rejected},
-          {"examined", rejections.examined},
-          {"by", std::move(by)}};
-}
-
-Json certified_json(const CertifiedSummary& certified) {
-  return {{"paths", certified.paths},
-          {"clearance", number(certified.clearance)},
-          {"seed", certified.paths > 0 ? Json(certified.seed) : Json(nullptr)}};
 }
 
 Json coupling_json(const CouplingSummary& coupling) {
@@ -273,77 +139,33 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
   Json levels = Json::array();
   for (std::size_t i = 0; i < summary.levels.size(); ++i) {
     const LevelSummary& level = summary.levels[i];
-    levels.push_back({{"level", i},
-                      {"key", level.key},
+    levels.push_back({{"key", level.key},
                       {"name", level.name},
                       {"parent", level.parent < 0 ? Json(nullptr) : Json(level.parent)},
-                      {"space", level.space},
-                      {"dimension", level.dimension},
                       {"planner", level.planner},
-                      {"runs", level.runs},
-                      {"solved", level.solved},
-                      {"verdict", i < of.verdicts.size() ? verdict_json(of.verdicts[i]) : Json(nullptr)},
-                      {"resolves_median", number(level.resolves)},
-                      {"resolved_for", json::resolves(level.resolved_for.total)},
-                      {"exhausted_runs", level.resolved_for.exhausted},
-                      {"limit_reached_runs", level.resolved_for.limited},
-                      {"proposals_median", number(level.proposals)},
-                      {"nodes_median", number(level.nodes)},
-                      {"validity_checks_median", number(level.validity_checks)},
-                      {"motion_checks_median", number(level.motion_checks)},
-                      {"spent_median", spent_json(level)},
-                      {"time_s_median", number(level.seconds)},
                       {"check_share", number(level.check_share)},
-                      {"time_share", number(level.time_share)},
-                      {"measure", roles_json(level.own, i == 0 ? level.root_cross : level.own_cross, true)},
-                      {"metrics", metrics_json(level.metrics)},
-                      {"guides_without_level", parts_json(level.parts)},
-                      {"rejections", rejections_json(level.rejections)}});
-    Json& measure = levels.back()["measure"];
-    if (i > 0) measure["root"] = roles_json(level.root, level.root_cross, false);
-    for (const auto& [name, pair] : {std::pair{"oracle", &level.oracle}, std::pair{"uniform", &level.uniform}}) {
-      if (pair->tree.scored + pair->expansion.scored == 0) continue;
-      measure[name] = {{"tree", measure_json(pair->tree)}, {"expansion", measure_json(pair->expansion)}};
-    }
-    measure["headline"] = {{"tree", headline_json(level, SampleRole::tree)},
-                           {"expansion", headline_json(level, SampleRole::expansion)}};
-    measure["pooled"] = pooled_json(level);
-    if (level.equal.tree.scored + level.equal.expansion.scored > 0) {
-      measure["equal_samples"] = {{"tree", measure_json(level.equal.tree)},
-                                  {"expansion", measure_json(level.equal.expansion)}};
-    }
+                      {"verdict", i < of.verdicts.size() ? verdict_json(of.verdicts[i]) : Json(nullptr)}});
   }
-  Json json = {
-      {"problem", problem},
-      {"strategy", of.strategy},
-      {"runs", summary.runs},
-      {"solved", summary.solved},
-      {"unsolved_reasons", text_or_null(of.unsolved)},
-      {"success",
-       {{"value", number(summary.success.value)},
-        {"lo", number(summary.success.lo)},
-        {"hi", number(summary.success.hi)}}},
-      {"validity_checks_median", number(summary.validity_checks.value)},
-      {"motion_checks_median", number(summary.motion_checks.value)},
-      {"time_s_median", number(summary.seconds.value)},
-      {"validity_checks", median_json(summary.validity_checks)},
-      {"motion_checks", median_json(summary.motion_checks)},
-      {"time_s", median_json(summary.seconds)},
-      {"spent_median",
-       {{"validity_checks", number(summary.spent_validity_checks)},
-        {"motion_checks", number(summary.spent_motion_checks)},
-        {"time_s", number(summary.spent_seconds)}}},
-      {"improvement_checks_median", number(summary.improvement_checks)},
-      {"set_up_median", number(summary.set_up)},
-      {"set_up_share", number(summary.set_up_share)},
-      {"lua_share", number(summary.lua_share)},
-      {"length", interval_json(summary.length)},
-      {"bounded_loss", beside_json(summary.beside)},
-      {"certified", certified_json(summary.certified)},
-      {"levels", std::move(levels)},
-      {"guides_without_level", std::move(guides)},
-      {"waterfall",
-       {{"tree", waterfall_json(summary.tree_waterfall)}, {"expansion", waterfall_json(summary.expansion_waterfall)}}}};
+  Json json = {{"problem", problem},
+               {"strategy", of.strategy},
+               {"runs", summary.runs},
+               {"solved", summary.solved},
+               {"unsolved_reasons", text_or_null(of.unsolved)},
+               {"success", interval_json(summary.success)},
+               {"validity_checks", interval_json(summary.validity_checks)},
+               {"motion_checks", interval_json(summary.motion_checks)},
+               {"time_s", interval_json(summary.seconds)},
+               {"length", interval_json(summary.length)},
+               {"levels", std::move(levels)},
+               {"guides_without_level", std::move(guides)}};
+  if (!summary.levels.empty()) {
+    const LevelSummary& root = summary.levels.front();
+    if (Json means = means_json(root.own, root.root_cross); !means.is_null()) json["means"] = std::move(means);
+  }
+  if (!summary.tree_waterfall.steps.empty() || !summary.expansion_waterfall.steps.empty()) {
+    json["waterfall"] = {{"tree", waterfall_json(summary.tree_waterfall)},
+                         {"expansion", waterfall_json(summary.expansion_waterfall)}};
+  }
   if (summary.makespan.n > 0) {
     json["makespan"] = interval_json(summary.makespan);
     json["sum_of_costs"] = interval_json(summary.sum_of_costs);
@@ -359,16 +181,15 @@ using json::dump;
 using json::lines;
 
 Json cost_json(const CensoredCost& cost) {
-  Json out = {{"validity_checks", cost.spent}, {"solved", cost.solved}};
-  if (cost.cut_off) out["cut_off"] = true;
-  return out;
+  return {{"validity_checks", static_cast<std::uint64_t>(cost.spent)}, {"solved", cost.solved}, {"cut_off", cost.cut_off}};
 }
+/// The pairs of tested runs as a table.
 Json pairs_json(const std::vector<TestedPair>& pairs) {
-  Json out = Json::array();
+  json::ColumnWriter table;
   for (const TestedPair& pair : pairs) {
-    out.push_back({{"seed", pair.seed}, {"with", cost_json(pair.with)}, {"without", cost_json(pair.without)}});
+    table.add({{"seed", pair.seed}, {"with", cost_json(pair.with)}, {"without", cost_json(pair.without)}});
   }
-  return out;
+  return Json::parse(table.text());
 }
 
 std::string begin_document(const std::string& version, const std::string& script, const std::string& experiment,
@@ -393,11 +214,15 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
   };
   for (const ProblemSummary& problem : summary.problems) add(problem);
   if (summary.together) add(*summary.together);
-  std::vector<Json> runs;
-  runs.reserve(experiment.runs.size());
-  for (const RunFacts& run : experiment.runs) runs.push_back(json::run(run));
-  std::vector<Json> pooled;
-  for (const PooledScores& one : experiment.pooled) pooled.push_back(json::pooled(one));
+  json::ColumnWriter pooled;
+  for (const PooledScores& one : experiment.pooled) {
+    for (const auto& [role, set] : {std::pair{"tree", &one.scores.tree}, std::pair{"expansion", &one.scores.expansion}}) {
+      Json row = {{"problem", one.problem}, {"strategy", one.strategy}, {"key", one.key},
+                  {"seeds", one.seeds},     {"targets", one.targets},   {"role", role}};
+      json::add_set(*set, false, row);
+      pooled.add(row);
+    }
+  }
   std::vector<Json> left_out;
   for (const LeftOut& one : experiment.left_out) {
     left_out.push_back({{"problem", one.problem},
@@ -422,8 +247,13 @@ std::string report_json(const ExperimentFacts& experiment, const ExperimentSumma
 
   std::string out =
       begin_document(summary.version, summary.script, experiment.description, experiment.scenery, experiment.samples);
-  out += " \"runs\": " + lines(runs) + ",\n";
-  out += " \"pooled\": " + lines(pooled) + ",\n";
+  json::RunTables tables;
+  out += " \"runs\": [";
+  for (std::size_t i = 0; i < experiment.runs.size(); ++i) {
+    out += (i == 0 ? "\n  " : ",\n  ") + tables.add(experiment.runs[i]);
+  }
+  out += (experiment.runs.empty() ? "],\n" : "\n ],\n") + tables.text();
+  out += " \"pooled\": " + pooled.text() + ",\n";
   out += " \"left_out\": " + lines(left_out) + ",\n";
   if (!uncoupled.empty()) out += " \"uncoupled\": " + lines(uncoupled) + ",\n";
   out += " \"obstructions\": " + lines(obstructions) + ",\n";
@@ -440,15 +270,24 @@ std::string estimate_line(const Estimate& estimate, const Efficiency& of) { retu
 
 std::string run_line(const RunFacts& run) { return dump(json::run(run)); }
 
-std::string runs_document_begin(const std::string& script, const std::string& experiment, const Scenery& scenery) {
+struct RunsDocument::Tables : json::RunTables {};
+
+RunsDocument::RunsDocument() : tables_(std::make_unique<Tables>()) {}
+RunsDocument::~RunsDocument() = default;
+
+std::string RunsDocument::begin(const std::string& script, const std::string& experiment, const Scenery& scenery) const {
   return begin_document(std::string(version()), script, experiment, scenery, "") + " \"runs\": [";
 }
 
-std::string runs_document_run(const std::string& line, bool first) { return (first ? "\n  " : ",\n  ") + line; }
+std::string RunsDocument::add(const RunFacts& run) {
+  const std::string separator = any_ ? ",\n  " : "\n  ";
+  any_ = true;
+  return separator + tables_->add(run);
+}
 
-std::string runs_document_end(bool any) {
-  const std::string end = any ? "\n ],\n" : "],\n";
-  return end + " \"summary\": [],\n \"comparisons\": [],\n \"warnings\": []\n}\n";
+std::string RunsDocument::end() const {
+  return (any_ ? "\n ],\n" : "],\n") + tables_->text() +
+         " \"summary\": [],\n \"comparisons\": [],\n \"warnings\": []\n}\n";
 }
 
 }  // namespace trellis

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,17 +31,30 @@ ExperimentFacts read_results(const std::string& document, const std::string& fil
 /// \throws Error where the document has another format, whose reports would differ
 void require_format(const ExperimentFacts& facts, const std::string& file);
 
-/// The parts of a document of stored runs: its beginning, each run, its end. `summary`, `comparisons` and `warnings`
-/// are empty.
-/// \param script      the path as given on the command line
-/// \param experiment  a result of experiment_line()
-/// \param scenery     a result of scenery_of()
-std::string runs_document_begin(const std::string& script, const std::string& experiment, const Scenery& scenery);
-/// \param line   a result of run_line()
-/// \param first  whether it is the first run
-std::string runs_document_run(const std::string& line, bool first);
-/// \param any  whether the document has a run
-std::string runs_document_end(bool any);
+/// Writes a document of stored runs, run by run: its beginning, each run, its end. `summary`, `comparisons` and `warnings`
+/// are empty. Stores the tables beside the runs until the end, a few hundred bytes for each level.
+class RunsDocument {
+ public:
+  RunsDocument();
+  ~RunsDocument();
+  RunsDocument(const RunsDocument&) = delete;
+  RunsDocument& operator=(const RunsDocument&) = delete;
+  RunsDocument(RunsDocument&&) = delete;
+  RunsDocument& operator=(RunsDocument&&) = delete;
+
+  /// \param script      the path as given on the command line
+  /// \param experiment  a result of experiment_line()
+  /// \param scenery     a result of scenery_of()
+  [[nodiscard]] std::string begin(const std::string& script, const std::string& experiment,
+                                  const Scenery& scenery) const;
+  std::string add(const RunFacts& run);
+  [[nodiscard]] std::string end() const;
+
+ private:
+  struct Tables;
+  std::unique_ptr<Tables> tables_;
+  bool any_ = false;
+};
 
 /// The parts of the runs as a table in CSV: its header, and the row of a run. Cells without a value are empty.
 std::string runs_csv_header();

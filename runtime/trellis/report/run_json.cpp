@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -21,6 +22,7 @@ namespace trellis::json {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double share_unit = 10000.0;
 
 /// Names for programs: docs/formats.md fixes them, independent of the printed report.
 constexpr std::array<std::pair<Status, const char*>, 8> status_names = {{{Status::untried, "untried"},
@@ -390,6 +392,12 @@ void read(const Json& json, T& object) {
     object.resize(json.size());
     for (std::size_t i = 0; i < object.size(); ++i) read(json.at(i), object[i]);
   } else {
+    if constexpr (std::is_same_v<T, std::pair<std::string, std::size_t>>) {
+      if (json.is_array()) {  // of a table
+        read(json.at(0), object.first);
+        read(json.at(1), object.second);
+      }
+    }
     if (!json.is_object()) return;
     read_fields(json, object);
     if constexpr (std::is_same_v<T, BoundedLoss>) object.unguided_won = field(json, "won") == "unguided";
@@ -436,9 +444,66 @@ std::optional<SearchMetrics> read_metrics(const Json& json) {
     metrics.nodes[c] = json.at("nodes").at(name).get<std::size_t>();
   }
   read_fields(json, metrics);
-  fields_of_shares(metrics,
-                   [&](const char* name, double& share) { share = read_number(json.at("proposals").at(name)); });
+  // Tables leave out what is missing.
+  fields_of_shares(metrics, [&](const char* name, double& share) {
+    share = read_number(field(field(json, "proposals"), name));
+  });
   return metrics;
+}
+
+// The tables of documents ---------------------------------------------------------------------------------------------
+
+/// Where a document has the scores of a level.
+struct SetPlace {
+  const char* space;  ///< the samples lie in the level's own one, or are lifted to the root's
+  const char* path;
+  std::optional<Scores> LevelScores::*scores;
+};
+constexpr std::array<SetPlace, 7> set_places = {{{"own", "self", &LevelScores::own},
+                                                 {"own", "cross", &LevelScores::own_cross},
+                                                 {"root", "self", &LevelScores::root},
+                                                 {"root", "cross", &LevelScores::root_cross},
+                                                 {"root", "oracle", &LevelScores::oracle},
+                                                 {"root", "uniform", &LevelScores::uniform},
+                                                 {"root", "equal_samples", &LevelScores::equal}}};
+constexpr std::array<std::pair<const char*, Efficiency Scores::*>, 2> set_roles = {
+    {{"tree", &Scores::tree}, {"expansion", &Scores::expansion}}};
+
+/// A list of objects with a name and a number as pairs.
+Json pairs_of(const Json& list) {
+  Json out = Json::array();
+  for (const Json& one : list) out.push_back({one.at("name"), one.at("proposals")});
+  return out;
+}
+
+/// The shares in the parts of a path, in ten thousandths.
+Json shares(const std::vector<double>& of) {
+  Json out = Json::array();
+  for (const double share : of) out.push_back(static_cast<int>(std::lround(share_unit * share)));
+  return out;
+}
+std::vector<double> read_shares(const Json& json) {
+  std::vector<double> out;
+  if (!json.is_array()) return out;
+  for (const Json& share : json) out.push_back(share.get<double>() / share_unit);
+  return out;
+}
+
+/// The fields of a level without its scores.
+Json level_row(const LevelFacts& level, std::size_t run) {
+  LevelFacts plain = level;
+  plain.scores = nullptr;
+  Json row = {{"run", run}};
+  row.update(json_of(plain));
+  row.erase("measure");
+  row["sources"] = pairs_of(row.at("sources"));
+  if (Json& rejections = row["rejections"]; rejections.is_object()) rejections["by"] = pairs_of(rejections.at("by"));
+  // Of a level without them, nothing: a table has no objects.
+  for (const char* object : {"rejections", "spent", "metrics"}) {
+    if (row.at(object).is_null()) row.erase(object);
+  }
+  if (level.scores && level.scores->metrics) row["metrics"] = metrics_json(*level.scores->metrics);
+  return row;
 }
 
 }  // namespace
@@ -532,6 +597,138 @@ std::shared_ptr<LevelScores> read_scores(const Json& level, bool root) {
   }
   scores->metrics = read_metrics(field(level, "metrics"));
   return scores;
+}
+
+void add_set(const Efficiency& set, bool profile, Json& row) {
+  for (const MeasureQuantity& quantity : measure_quantities) {
+    if (quantity.in_runs && quantity.field != nullptr) place_of(quantity, row) = number(quantity.of_run(set));
+  }
+  if (profile) {
+    row["along"]["length"] = number(set.along.length);
+    row["along"]["target"] = shares(set.along.target);
+    row["along"]["samples"] = shares(set.along.samples);
+  }
+  Json others = Json::array();
+  for (const Estimate& other : set.others) others.push_back({other.estimator, number(other.value)});
+  row["N"] = set.samples;
+  row["n"] = set.in_target;
+  row["estimator"] = set.estimator;
+  row["others"] = std::move(others);
+  row["flags"] = set.flags;
+  row["reason"] = set.reason.empty() ? Json(nullptr) : Json(set.reason);
+}
+
+Efficiency read_set(const Json& row) {
+  Efficiency e;
+  read_quantities(row, e);
+  read(field(field(row, "along"), "length"), e.along.length);
+  e.along.target = read_shares(field(field(row, "along"), "target"));
+  e.along.samples = read_shares(field(field(row, "along"), "samples"));
+  e.samples = row.at("N").get<std::size_t>();
+  e.in_target = row.at("n").get<std::size_t>();
+  e.estimator = row.at("estimator").get<std::string>();
+  if (const Json& reason = field(row, "reason"); reason.is_string()) e.reason = reason.get<std::string>();
+  row.at("flags").get_to(e.flags);
+  for (const Json& other : row.at("others")) {
+    Estimate& one = e.others.emplace_back();
+    one.estimator = other.at(0).get<std::string>();
+    one.value = read_number(other.at(1));
+  }
+  return e;
+}
+
+std::string RunTables::add(const RunFacts& run) {
+  RunFacts alone = run;
+  alone.levels.clear();
+  Json entry = json::run(alone);
+  entry.erase("levels");
+  for (const LevelFacts& level : run.levels) {
+    levels_.add(level_row(level, runs_));
+    if (!level.scores) continue;
+    for (const SetPlace& place : set_places) {
+      const auto* scores = &((*level.scores).*place.scores);
+      // The own space of the root is the root's; the default report scores the root lifted alone.
+      const bool own = std::string_view(place.space) == "own";
+      if (level.level == 0 && own) continue;
+      if (level.level == 0 && place.scores == &LevelScores::root && level.scores->own) scores = &level.scores->own;
+      if (level.level == 0 && place.scores == &LevelScores::root_cross && level.scores->own_cross) {
+        scores = &level.scores->own_cross;
+      }
+      if (!*scores) continue;
+      const bool profile = std::string_view(place.path) == "self" && (own || level.level == 0);
+      for (const auto& [role, of] : set_roles) {
+        Json row = {{"run", runs_}, {"level", level.level}, {"space", place.space}, {"path", place.path},
+                    {"role", role}};
+        add_set((**scores).*of, profile, row);
+        measure_.add(row);
+      }
+    }
+  }
+  if (run.set_up > 0.0) {
+    const auto same = [&](const SetUp& one) { return one.problem == run.problem && one.strategy == run.strategy; };
+    // The last ones first: runs come in the order of problems and strategies.
+    const auto known = std::find_if(set_ups_.rbegin(), set_ups_.rend(), same);
+    SetUp& found = known != set_ups_.rend() ? *known : set_ups_.emplace_back();
+    found.problem = run.problem;
+    found.strategy = run.strategy;
+    found.seconds = std::max(found.seconds, run.set_up_seconds);
+    found.shared_seconds = std::max(found.shared_seconds, run.shared_set_up_seconds);
+    found.work = std::max(found.work, run.set_up);
+    found.queries = std::max(found.queries, std::isnan(run.queries) ? 1.0 : run.queries);
+  }
+  ++runs_;
+  return dump(entry);
+}
+
+std::string RunTables::text() const {
+  ColumnWriter set_ups;
+  for (const SetUp& one : set_ups_) {
+    set_ups.add({{"problem", one.problem},
+                 {"strategy", one.strategy},
+                 {"set_up_s", number(one.seconds)},
+                 {"shared_set_up_s", number(one.shared_seconds)},
+                 {"set_up_work", number(one.work)},
+                 {"queries", number(one.queries)}});
+  }
+  return " \"levels\": " + levels_.text() + ",\n \"measure\": " + measure_.text() +
+         ",\n \"setups\": " + set_ups.text() + ",\n";
+}
+
+void read_tables(const Json& levels, const Json& measure, std::vector<RunFacts>& runs) {
+  const ColumnReader of_levels(levels);
+  for (std::size_t i = 0; i < of_levels.rows(); ++i) {
+    const Json row = of_levels.row(i);
+    LevelFacts level;
+    read(row, level);
+    runs.at(row.at("run").get<std::size_t>()).levels.push_back(std::move(level));
+  }
+  const ColumnReader of_measure(measure);
+  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<LevelScores>> found;
+  for (std::size_t i = 0; i < of_measure.rows(); ++i) {
+    const Json row = of_measure.row(i);
+    const auto run = row.at("run").get<std::size_t>();
+    const auto number = row.at("level").get<std::size_t>();
+    LevelFacts& level = runs.at(run).levels.at(number);
+    std::shared_ptr<LevelScores>& scores = found[{run, number}];
+    if (!scores) {
+      scores = level.scores ? std::make_shared<LevelScores>(*level.scores) : std::make_shared<LevelScores>();
+      level.scores = scores;
+    }
+    const Efficiency set = read_set(row);
+    for (const SetPlace& place : set_places) {
+      if (row.at("space") != place.space || row.at("path") != place.path) continue;
+      std::optional<Scores>& to = (*scores).*place.scores;
+      if (!to) to.emplace();
+      for (const auto& [role, of] : set_roles) {
+        if (row.at("role") == role) (*to).*of = set;
+      }
+    }
+  }
+  for (const auto& [at, scores] : found) {
+    if (at.second != 0) continue;
+    scores->own = scores->root;
+    scores->own_cross = scores->root_cross;
+  }
 }
 
 Json pooled(const PooledScores& pooled) {

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <trellis/experiment/facts.hpp>
+#include <trellis/report/columns.hpp>
 #include <trellis/report/quantities.hpp>
 
 namespace trellis::json {
@@ -38,6 +41,34 @@ RunFacts read_run(const Json& json);
 void add_scores(const LevelScores* scores, bool root, Json& level);
 /// \return nullptr where the level has no scores
 std::shared_ptr<LevelScores> read_scores(const Json& level, bool root);
+
+/// Adds the columns of a set of samples to its row of a table: the estimates themselves, which reports bound (shown()).
+/// \param profile  whether to write the profile along the path
+void add_set(const Efficiency& set, bool profile, Json& row);
+Efficiency read_set(const Json& row);
+
+/// The runs of a document, one after another: their entries, and the tables `levels`, `measure` and `setups` beside
+/// them.
+class RunTables {
+ public:
+  /// Adds a run. \return its entry of `runs`, on one line without its end
+  std::string add(const RunFacts& run);
+  /// Returns the tables as fields of the document.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  ColumnWriter levels_;
+  ColumnWriter measure_;
+  /// The set-up of a strategy's guides on a problem: the longest of its runs.
+  struct SetUp {
+    std::string problem, strategy;
+    double seconds = 0.0, shared_seconds = 0.0, work = 0.0, queries = 0.0;
+  };
+  std::vector<SetUp> set_ups_;
+  std::size_t runs_ = 0;
+};
+/// Reads both tables: the levels of the runs.
+void read_tables(const Json& levels, const Json& measure, std::vector<RunFacts>& runs);
 
 /// The scores of a level of all seeds together.
 Json pooled(const PooledScores& pooled);

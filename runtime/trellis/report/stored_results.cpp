@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/report/columns.hpp>
 #include <trellis/report/quantities.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/run_json.hpp>
@@ -26,6 +28,8 @@ auto parsed(const std::string& message, Body body) {
   try {
     return body();
   } catch (const Json::exception&) {
+    throw Error(message);
+  } catch (const std::out_of_range&) {  // of a table that names a run or a level that is not there
     throw Error(message);
   }
 }
@@ -48,19 +52,51 @@ PooledScores pooled_of(const Json& json) {
           .scores = {json::read_measured_set(json.at("tree")), json::read_measured_set(json.at("expansion"))}};
 }
 
+/// A list before format 5, else a table with a row for the nodes and one for the proposals of each level.
+void read_pooled(const Json& json, std::vector<PooledScores>& pooled) {
+  if (json.is_array()) {
+    for (const Json& one : json) pooled.push_back(pooled_of(one));
+    return;
+  }
+  const json::ColumnReader table(json);
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const Json row = table.row(i);
+    if (row.at("role") != "tree") {
+      pooled.at(pooled.size() - 1).scores.expansion = json::read_set(row);
+      continue;
+    }
+    pooled.push_back({.problem = row.at("problem").get<std::string>(),
+                      .strategy = row.at("strategy").get<std::string>(),
+                      .key = row.at("key").get<std::string>(),
+                      .seeds = row.at("seeds").get<std::size_t>(),
+                      .targets = row.at("targets").get<std::size_t>(),
+                      .scores = {json::read_set(row), {}}});
+  }
+}
+
 CensoredCost cost_of(const Json& json) {
   return {json.at("validity_checks").get<double>(), json.at("solved").get<bool>(), json.value("cut_off", false)};
 }
 
+/// The pairs of a table; before format 5 a list.
+std::vector<TestedPair> read_pairs(const Json& json) {
+  std::vector<TestedPair> pairs;
+  const auto add = [&](const Json& pair) {
+    pairs.push_back({pair.at("seed").get<std::uint64_t>(), cost_of(pair.at("with")), cost_of(pair.at("without"))});
+  };
+  if (json.is_array()) {
+    for (const Json& pair : json) add(pair);
+  } else {
+    const json::ColumnReader table(json);
+    for (std::size_t i = 0; i < table.rows(); ++i) add(table.row(i));
+  }
+  return pairs;
+}
+
 /// Documents of before have the runs without alone, by seed, and do not say which of them were cut off.
 std::vector<TestedPair> pairs_of(const Json& json, const ExperimentFacts& facts) {
+  if (!json.contains("costs")) return read_pairs(json.at("pairs"));
   std::vector<TestedPair> pairs;
-  if (!json.contains("costs")) {
-    for (const Json& pair : json.at("pairs")) {
-      pairs.push_back({pair.at("seed").get<std::uint64_t>(), cost_of(pair.at("with")), cost_of(pair.at("without"))});
-    }
-    return pairs;
-  }
   const auto runs = facts.select(json.at("problem").get<std::string>(), json.at("strategy").get<std::string>());
   for (std::size_t i = 0; i < std::min(runs.size(), json.at("costs").size()); ++i) {
     CensoredCost without = cost_of(json.at("costs")[i]);
@@ -88,7 +124,9 @@ void read_document(const Json& document, ExperimentFacts& facts) {
       if (problem.name == one.at("problem")) problem.obstruction = one.at("text").get<std::string>();
     }
   }
-  for (const Json& one : document.value("pooled", Json::array())) facts.pooled.push_back(pooled_of(one));
+  // Before format 5, runs have their levels, and levels their scores.
+  if (document.contains("levels")) json::read_tables(document.at("levels"), document.at("measure"), facts.runs);
+  read_pooled(document.value("pooled", Json::array()), facts.pooled);
   for (const Json& one : document.value("left_out", Json::array())) {
     LeftOut& left = facts.left_out.emplace_back();
     left.problem = one.at("problem").get<std::string>();
@@ -145,7 +183,8 @@ std::string scores_line(const RunResult& run) {
   Json levels = Json::array();
   for (std::size_t i = 0; i < run.levels.size(); ++i) {
     Json& level = levels.emplace_back(Json::object());
-    json::add_scores(facts.levels[i].scores.get(), i == 0, level);
+    // Without rounding, as scores over all runs are computed from these.
+    json::add_scores(facts.levels[i].scores ? &run.levels[i] : nullptr, i == 0, level);
     if (run.levels[i].metrics) level["classes"] = run.levels[i].metrics->classes;
   }
   Json points = Json::array();
