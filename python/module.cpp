@@ -45,8 +45,8 @@
 #include <trellis/instance/resolve_goal.hpp>
 #include <trellis/pictures/packed_run.hpp>
 #include <trellis/pictures/scenery.hpp>
-#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/directories.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
 namespace py = pybind11;

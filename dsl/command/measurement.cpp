@@ -11,10 +11,10 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/quantities.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/results/quantities.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

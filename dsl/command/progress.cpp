@@ -12,7 +12,7 @@
 #include <string>
 
 #include <trellis/base/printable.hpp>
-#include <trellis/report/files.hpp>
+#include <trellis/results/files.hpp>
 
 namespace trellis::command {
 

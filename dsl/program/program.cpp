@@ -12,7 +12,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/program.hpp>
-#include <trellis/report/files.hpp>
+#include <trellis/results/files.hpp>
 
 namespace trellis {
 

@@ -74,7 +74,7 @@ void add_runs(const std::string& script, const Place& place, Hashes& hashes) {
     const auto strategy = run.at("strategy").get<std::string>();
     Hash& hash = hashes[script + " / " + problem + " / " + strategy];
     hash.add(counts_of(run));
-    std::string directory = strategy;  // as report/directories.cpp writes it
+    std::string directory = strategy;  // as results/directories.cpp writes it
     for (char& c : directory) {
       if (c == ' ') c = '-';
     }

@@ -11,8 +11,8 @@
 #include <trellis/guide/team.hpp>
 #include <trellis/report/couplings.hpp>
 #include <trellis/report/experiment_summary.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/records.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/uncoupled.hpp>
 

@@ -9,8 +9,9 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
-#include <trellis/report/csv.hpp>
+#include <trellis/experiment/samples.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/csv.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/folder.hpp"

@@ -149,7 +149,8 @@ TEST_CASE("JSON summary", "[report][json]") {
   for (const json& entry : document.at("summary")) {
     for (const json& level : entry.at("levels")) CHECK_FALSE(level.contains("measure"));
   }
-  const RunsSummary nested = summarise(facts_of(fixture::passage().first, fixture::passage().second), "simple_passage", "nested");
+  const RunsSummary nested =
+      summarise(facts_of(fixture::passage().first, fixture::passage().second), "simple_passage", "nested");
   const json& means = document.at("summary").at(1).at("means").at("tree").at("self");
   CHECK(means.at("runs") == nested.levels.front().own.tree.scored);
   CHECK(means.at("SE_parts").at("mass").get<double>() == nested.levels.front().own.tree["SE_parts.mass"].value);

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include <trellis/measure/efficiency.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/results/records.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/golden.hpp"

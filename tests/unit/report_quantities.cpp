@@ -7,8 +7,8 @@
 #include <string>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/quantities.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/results/quantities.hpp>
+#include <trellis/results/records.hpp>
 
 #include "report_fixture.hpp"
 #include "support/catch.hpp"

@@ -9,8 +9,9 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/store.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/experiment/stored_runs.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/records.hpp>
 
 #include "report_fixture.hpp"
 #include "support/catch.hpp"

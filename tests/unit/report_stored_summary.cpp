@@ -6,8 +6,8 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/records.hpp>
 
 #include "report_fixture.hpp"
 #include "support/catch.hpp"

@@ -15,7 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/scoring.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

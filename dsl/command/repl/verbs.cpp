@@ -18,6 +18,7 @@
 #include <dsl/command/repl/source_text.hpp>
 #include <dsl/command/repl/values.hpp>
 #include <dsl/command/store/outputs.hpp>
+#include <dsl/command/tuning.hpp>
 #include <dsl/language/core/construct.hpp>
 #include <dsl/language/core/stdlib.hpp>
 #include <dsl/language/core/tokens.hpp>
@@ -34,7 +35,6 @@
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/tuning.hpp>
 #include <trellis/report/views/table.hpp>
 
 namespace trellis::command {

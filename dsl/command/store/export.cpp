@@ -25,11 +25,11 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/memory/database.hpp>
-#include <trellis/report/csv.hpp>
-#include <trellis/report/directories.hpp>
-#include <trellis/report/files.hpp>
-#include <trellis/report/quantities.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/csv.hpp>
+#include <trellis/results/directories.hpp>
+#include <trellis/results/files.hpp>
+#include <trellis/results/quantities.hpp>
 
 namespace trellis::command {
 

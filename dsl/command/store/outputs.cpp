@@ -19,9 +19,9 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
 #include <trellis/base/printable.hpp>
-#include <trellis/report/files.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/views/table.hpp>
+#include <trellis/results/files.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/experiment/facts.hpp>
+#include <trellis/results/facts.hpp>
 
 namespace trellis::command {
 

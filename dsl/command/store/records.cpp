@@ -25,10 +25,10 @@
 #include <trellis/base/version.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/pictures/scenery.hpp>
-#include <trellis/report/files.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/run_json.hpp>
+#include <trellis/results/files.hpp>
+#include <trellis/results/records.hpp>
+#include <trellis/results/run_json.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::command {

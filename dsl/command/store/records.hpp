@@ -14,7 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
+#include <trellis/results/facts.hpp>
 
 /// The folder of a sweep or of a run: a manifest, and one record a run, which remain when the program is killed.
 namespace trellis {

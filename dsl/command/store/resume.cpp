@@ -9,8 +9,9 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/experiment/stored_runs.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

@@ -10,13 +10,13 @@
 
 #include <dsl/command/choice.hpp>
 #include <dsl/command/commands.hpp>
+#include <dsl/command/explanation.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/input_warnings.hpp>
-#include <trellis/report/explanation.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {

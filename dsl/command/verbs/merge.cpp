@@ -13,8 +13,8 @@
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/command/store/records.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/report/files.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/results/files.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

@@ -19,7 +19,7 @@
 #include <trellis/page/html.hpp>
 #include <trellis/pictures/stored_samples.hpp>
 #include <trellis/report/costs.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

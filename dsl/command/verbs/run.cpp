@@ -32,6 +32,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/partial.hpp>
+#include <trellis/experiment/samples.hpp>
 #include <trellis/experiment/unused.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/page/html.hpp>
@@ -41,10 +42,10 @@
 #include <trellis/pictures/stored_samples.hpp>
 #include <trellis/pictures/trajectory.hpp>
 #include <trellis/report/costs.hpp>
-#include <trellis/report/directories.hpp>
-#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/results/directories.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

@@ -22,7 +22,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
 #include <trellis/experiment/cell.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::command {
 

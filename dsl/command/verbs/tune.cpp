@@ -9,9 +9,9 @@
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/command/store/outputs.hpp>
+#include <dsl/command/tuning.hpp>
 #include <dsl/language/tools/session.hpp>
 #include <trellis/base/error.hpp>
-#include <trellis/report/tuning.hpp>
 
 namespace trellis::command {
 

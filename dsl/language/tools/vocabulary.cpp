@@ -13,9 +13,9 @@
 #include <dsl/language/tools/catalogue.hpp>
 #include <dsl/language/tools/words.hpp>
 #include <trellis/guide/guide.hpp>
-#include <trellis/report/quantities.hpp>
 #include <trellis/report/views/glossary.hpp>
 #include <trellis/report/views/table.hpp>
+#include <trellis/results/quantities.hpp>
 #include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {

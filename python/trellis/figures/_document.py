@@ -184,7 +184,7 @@ class Results:
             # Samples of several documents do not add up.
             own = [part for part in self.parts if part.runs(problem, strategy)]
             return own[0].pooled(problem, strategy) if len(own) == 1 else {}
-        table = self.document["pooled"]
+        table = self.document.get("pooled") or {"rows": 0}
         if self._pooled is None:
             self._pooled = {}
             for row in rows(table) if table["rows"] else []:

@@ -228,11 +228,6 @@ Json experiment_json(const Experiment& experiment) {
           {"ablation", experiment.ablation}};
 }
 
-std::string text_of(const Json& object, const char* name) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 /// Whether a strategy of the script solves fewer than half of its runs on a problem, or not its only one.
 bool fails(const ExperimentFacts& facts, const std::string& problem) {
   return std::any_of(facts.strategies.begin(), facts.strategies.end(), [&](const StrategyFacts& strategy) {
@@ -261,46 +256,6 @@ void add_obstruction(const Experiment& experiment, ExperimentFacts& facts) {
 std::string experiment_line(const Experiment& experiment) {
   // Names come from users and may be invalid UTF-8; invalid bytes become U+FFFD.
   return experiment_json(experiment).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-void read_experiment(const std::string& line, ExperimentFacts& facts) {
-  const Json json = Json::parse(line);
-  facts.description = line;
-  for (const Json& one : json.at("problems")) {
-    facts.problems.push_back({.name = one.at("name").get<std::string>(),
-                              .group = text_of(one, "group"),
-                              .tuned = one.value("tuned", false)});
-    facts.spatial = facts.spatial || (facts.problems.size() == 1 && one.value("world_dimension", Json(2)) == 3);
-  }
-  for (const Json& one : json.at("strategies")) {
-    StrategyFacts& strategy = facts.strategies.emplace_back();
-    strategy.name = one.at("name").get<std::string>();
-    strategy.text = one.at("text").get<std::string>();
-    strategy.shares = text_of(one, "shares");
-    if (const auto spec = one.find("spec"); spec != one.end()) strategy.spec = spec->dump();
-    // Missing in documents of before.
-    strategy.guided = one.value("guided", strategy.text.find(" >> ") != std::string::npos);
-    for (const Json& guide : one.value("guides", Json::array())) {
-      strategy.guides.push_back({text_of(guide, "key"), text_of(guide, "guide"), text_of(guide, "equal")});
-    }
-  }
-  for (const Json& link : json.value("ablations", Json::array())) {
-    for (StrategyFacts& strategy : facts.strategies) {
-      if (strategy.name != text_of(link, "strategy")) continue;
-      strategy.ablation = text_of(link, "text");
-      strategy.of = text_of(link, "of");
-    }
-  }
-  facts.seeds = json.value("seeds", std::vector<std::uint64_t>());
-  facts.given_baseline = text_of(json, "baseline");
-  facts.ablation = json.value("ablation", 0.0);
-  const Json measure = json.value("measure", Json());
-  facts.measured = measure.is_object();
-  if (!facts.measured) return;
-  facts.target = text_of(measure, "text");
-  facts.tubes = text_of(measure, "tubes");
-  facts.omitted = text_of(measure, "omitted");
-  facts.estimators = measure.value("estimators", std::vector<std::string>());
 }
 
 ExperimentFacts facts_of(const Experiment& experiment, const ExperimentResult& result, const std::string& script) {

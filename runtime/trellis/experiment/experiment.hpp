@@ -12,13 +12,13 @@
 #include <variant>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
 #include <trellis/experiment/rejections.hpp>
 #include <trellis/experiment/search_metrics.hpp>
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/measure/statistics.hpp>
 #include <trellis/measure/target.hpp>
+#include <trellis/results/facts.hpp>
 #include <trellis/scene/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/spec.hpp>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/experiment/facts.hpp>
 
 #include <fmt/format.h>
 
@@ -120,25 +119,6 @@ std::vector<std::string> unsolved_reasons(const RunResult& run, const StrategySp
     }
   }
   return reasons;
-}
-
-std::string ExperimentFacts::baseline() const {
-  if (!given_baseline.empty()) return given_baseline;
-  std::vector<const StrategyFacts*> whole;
-  for (const StrategyFacts& one : strategies) {
-    if (one.ablation.empty()) whole.push_back(&one);
-  }
-  if (whole.size() < 2) return "";
-  const auto plain = std::find_if(whole.begin(), whole.end(), [](const StrategyFacts* one) { return !one->guided; });
-  return (plain != whole.end() ? *plain : whole.front())->name;
-}
-
-std::vector<const RunFacts*> ExperimentFacts::select(const std::string& problem, const std::string& strategy) const {
-  std::vector<const RunFacts*> chosen;
-  for (const RunFacts& run : runs) {
-    if ((problem.empty() || run.problem == problem) && run.strategy == strategy) chosen.push_back(&run);
-  }
-  return chosen;
 }
 
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

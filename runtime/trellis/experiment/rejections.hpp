@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
+#include <trellis/results/facts.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace trellis {

@@ -187,17 +187,6 @@ double information(const Space& space, const Configurations& samples, const std:
 
 }  // namespace
 
-std::string_view to_string(NodeClass c) {
-  switch (c) {
-    case NodeClass::create: return "create";
-    case NodeClass::merge: return "merge";
-    case NodeClass::expand: return "expand";
-    case NodeClass::oversample: return "oversample";
-    case NodeClass::invalid: return "invalid";
-  }
-  throw Fault("unknown class of nodes");
-}
-
 Configurations valid_witnesses(const Space& space, const std::function<bool(View)>& valid, std::size_t count,
                                std::uint64_t seed) {
   Configurations witnesses(space.dimension());

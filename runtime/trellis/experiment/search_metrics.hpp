@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
 #include <trellis/planner/planner.hpp>
+#include <trellis/results/facts.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

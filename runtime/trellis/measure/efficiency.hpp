@@ -102,8 +102,8 @@ double least_value(const Efficiency& efficiency);
 /// over runs must use the estimates themselves; otherwise they are biased.
 Efficiency shown(Efficiency efficiency);
 
-/// Returns the values as results store them: with seven significant digits, far finer than any interval, and shares along
-/// the path in ten thousandths. Documents have a fifth of the size, and their reports equal those of the run.
+/// Returns the values as results store them: with seven significant digits, far finer than any interval, and shares
+/// along the path in ten thousandths. Documents have a fifth of the size, and their reports equal those of the run.
 Efficiency rounded(Efficiency efficiency);
 
 /// Returns why an interval of SE shows too little to be printed; "" where it shows on which side of uniform sampling

@@ -21,9 +21,9 @@
 #include <trellis/draw/palette.hpp>
 #include <trellis/pictures/base64.hpp>
 #include <trellis/pictures/spatial_shapes.hpp>
-#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/results/directories.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/visit.hpp>
 

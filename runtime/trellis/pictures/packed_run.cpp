@@ -17,9 +17,9 @@
 #include <trellis/pictures/base64.hpp>
 #include <trellis/pictures/packing.hpp>
 #include <trellis/pictures/traces.hpp>
-#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/report/run_json.hpp>
+#include <trellis/results/directories.hpp>
+#include <trellis/results/run_json.hpp>
 
 namespace trellis {
 

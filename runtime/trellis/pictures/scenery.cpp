@@ -15,7 +15,7 @@
 #include <trellis/pictures/packing.hpp>
 #include <trellis/pictures/spatial_shapes.hpp>
 #include <trellis/pictures/traces.hpp>
-#include <trellis/report/run_json.hpp>
+#include <trellis/results/run_json.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/scene/visit.hpp>

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
 #include <trellis/pictures/run_samples.hpp>
+#include <trellis/results/facts.hpp>
 
 namespace trellis {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/csv.hpp>
+#include <trellis/results/csv.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
 namespace trellis {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include <trellis/report/csv.hpp>
 #include <trellis/report/experiment_summary.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/results/csv.hpp>
 
 namespace trellis {
 
@@ -81,11 +81,6 @@ std::string coupling_text(const CouplingSummary& coupling) {
     case Verdict::Kind::changes_nothing: return coupling.needed.value > 0.0 ? "mostly not needed" : "not needed";
     default: return verdict_text(coupling.verdict);
   }
-}
-
-const std::array<const char*, 5>& resolved_names() {
-  static constexpr std::array<const char*, 5> names = {"none", "schedule", "order", "one_by_one", "together"};
-  return names;
 }
 
 std::vector<CouplingSummary> couplings_of(const ExperimentFacts& experiment, const std::string& problem,

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
 #include <trellis/report/verdict.hpp>
+#include <trellis/results/facts.hpp>
 
 namespace trellis {
 
@@ -42,9 +42,6 @@ struct CouplingSummary {
 /// "needed", "not needed" (in no seed), "mostly not needed", "hinders", "not shown (11 seeds); ~14 seeds would probably
 /// show it", "not tested".
 std::string coupling_text(const CouplingSummary& coupling);
-
-/// Returns the names of what may become of a conflict, by TeamConflict::Resolved: "none", "schedule", ...
-const std::array<const char*, 5>& resolved_names();
 
 /// Returns the couplings of a strategy on a problem: all robots, each robot, then the pairs; those that were not tested
 /// because the robots need no coordination at all are left out. None for a strategy that divides no team.

@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
-#include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/results/csv.hpp>
+#include <trellis/results/facts.hpp>
 
 namespace trellis {
 

@@ -6,10 +6,9 @@
 #include <vector>
 
 #include <trellis/report/experiment_summary.hpp>
+#include <trellis/results/files.hpp>
 
 namespace trellis {
-
-struct ExperimentResult;
 
 /// The content of the printed report.
 enum class ReportKind : std::uint8_t {
@@ -45,21 +44,5 @@ std::string report_markdown(const ExperimentFacts& experiment, const ExperimentS
 /// Returns the same values as comma-separated values, one per line: problem, strategy, role, path, estimator, quantity,
 /// value, lo, hi, n, infinite.
 std::string report_csv(const ExperimentFacts& experiment, const ExperimentSummary& summary);
-
-/// Writes DIR/<problem>/<strategy>/seed-<seed>/samples.csv and path.csv for every run. Writes each file atomically (a
-/// temporary file, then a rename).
-/// \throws Error where it cannot write a file.
-void write_samples(const ExperimentResult& result, const std::string& directory);
-
-/// Whether `write_file` waits for the disk. Without it, a power failure may leave an empty file.
-enum class Flush { disk, none };
-
-/// Writes a file atomically: whatever ends the process, the file has its old content or the new one. Keeps the
-/// permissions of a file that it replaces. Writes to terminals, pipes and devices directly.
-/// \throws Error that names the path and the reason.
-void write_file(const std::string& path, const std::string& content, Flush flushed = Flush::disk);
-
-/// The same for a file that must not exist.
-void write_new_file(const std::string& path, const std::string& content);
 
 }  // namespace trellis

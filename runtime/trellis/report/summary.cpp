@@ -13,9 +13,9 @@
 #include <optional>
 
 #include <trellis/planner/planner.hpp>
-#include <trellis/report/quantities.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/results/quantities.hpp>
 
 namespace trellis {
 
@@ -389,10 +389,6 @@ void add_waterfalls(RunsSummary& summary) {
 }
 
 }  // namespace
-
-CensoredCost path_cost(const RunFacts& run) {
-  return {static_cast<double>(run.validity_checks - run.improvement_checks), run.solved};
-}
 
 namespace {
 

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
 #include <trellis/measure/statistics.hpp>
-#include <trellis/report/quantities.hpp>
+#include <trellis/results/facts.hpp>
+#include <trellis/results/quantities.hpp>
 
 namespace trellis {
 
@@ -221,8 +221,8 @@ struct RunsSummary {
   double improvement_checks = std::numeric_limits<double>::quiet_NaN();
   /// Work to set up the guides for a run alone (RunRecord::set_up): the median over the runs.
   double set_up = std::numeric_limits<double>::quiet_NaN();
-  double set_up_share = 0.0;    ///< the same relative to the median work of a run
-  double set_up_seconds = 0.0;  ///< the longest of a run, with what it shares with others
+  double set_up_share = 0.0;                                  ///< the same relative to the median work of a run
+  double set_up_seconds = 0.0;                                ///< the longest of a run, with what it shares with others
   double queries = std::numeric_limits<double>::quiet_NaN();  ///< RunTotals::queries; NaN without guides
   double lua_share = 0.0;                                     ///< of the CPU time of all runs, in functions in Lua
   Interval length;                                            ///< mean over the solved runs, metres of the metric
@@ -251,9 +251,6 @@ struct Comparison {
 
 /// Parses a level's key, "0.1.10", into numbers, so that levels sort depth first and 10 comes after 9.
 std::vector<std::uint64_t> parse_key(const std::string& key);
-
-/// Returns the validity checks of a run until its first path.
-CensoredCost path_cost(const RunFacts& run);
 
 RunsSummary summarise(std::span<const RunFacts* const> runs);
 RunsSummary summarise(const RunFacts& run);

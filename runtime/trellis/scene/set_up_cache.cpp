@@ -21,9 +21,7 @@ namespace {
 constinit thread_local SharedSetUps* thread_record = nullptr;
 constinit thread_local SetUpUse* thread_use = nullptr;
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double cpu_now() {
   timespec time{};

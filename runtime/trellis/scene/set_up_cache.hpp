@@ -49,8 +49,8 @@ struct SetUpTime {
   std::vector<std::shared_ptr<const SetUpTime>> uses = {};
 };
 
-/// The shared set-ups that a run uses. The first run that needs one computes it; every run that uses it reports the time
-/// that it took, and none counts that time as its own.
+/// The shared set-ups that a run uses. The first run that needs one computes it; every run that uses it reports the
+/// time that it took, and none counts that time as its own.
 class SharedSetUps {
  public:
   /// Returns the time that the set-ups took, each counted once, in seconds.
@@ -114,8 +114,9 @@ class SetUpCache {
   template <class World, class Make>
   std::shared_ptr<const Value> get(const World& world, const Key& key, const Make& make) {
     if (thread_set_ups != nullptr) {
-      const auto own = thread_set_ups->in_place_of(shared_).get(
-          world, key, [&](const World& of) { return Timed{make(of), nullptr}; });
+      const auto own = thread_set_ups->in_place_of(shared_).get(world, key, [&](const World& of) {
+        return Timed{make(of), nullptr};
+      });
       return {own, &own->value};
     }
     SetUpUse use;

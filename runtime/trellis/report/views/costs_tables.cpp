@@ -11,9 +11,9 @@
 
 #include <trellis/report/cost_correlation.hpp>
 #include <trellis/report/costs.hpp>
-#include <trellis/report/csv.hpp>
 #include <trellis/report/views/table.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/results/csv.hpp>
 
 namespace trellis {
 

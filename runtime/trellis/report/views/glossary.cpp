@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/report/views/glossary.hpp>
 
-#include <trellis/report/quantities.hpp>
+#include <trellis/results/quantities.hpp>
 
 namespace trellis {
 

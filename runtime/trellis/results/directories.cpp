@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/directories.hpp>
+#include <trellis/results/directories.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/tuning.hpp>
+#include <dsl/command/tuning.hpp>
 
 #include <fmt/format.h>
 

@@ -10,8 +10,9 @@
 #include <string_view>
 
 #include <trellis/experiment/experiment.hpp>
-#include <trellis/report/directories.hpp>
-#include <trellis/report/report.hpp>
+#include <trellis/experiment/samples.hpp>
+#include <trellis/results/directories.hpp>
+#include <trellis/results/files.hpp>
 
 namespace trellis {
 

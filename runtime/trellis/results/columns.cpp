@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/columns.hpp>
+#include <trellis/results/columns.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/run_json.hpp>
+#include <trellis/results/run_json.hpp>
 
 namespace trellis::json {
 
@@ -121,7 +121,8 @@ ColumnReader::ColumnReader(const Json& table) : rows_(table.at("rows").get<std::
       column.values = &values.at(column.pairs ? "pairs" : "at");
     }
     if ((column.values->is_array() || column.texts != nullptr) && column.values->size() != rows_) {
-      throw Error(fmt::format("the column {} has {} values; its table has {} rows", name, column.values->size(), rows_));
+      throw Error(
+          fmt::format("the column {} has {} values; its table has {} rows", name, column.values->size(), rows_));
     }
     columns_.push_back(std::move(column));
   }

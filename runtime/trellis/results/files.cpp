@@ -14,8 +14,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/files.hpp>
-#include <trellis/report/report.hpp>
+#include <trellis/results/files.hpp>
 
 namespace trellis {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/run_json.hpp>
+#include <trellis/results/run_json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,7 @@
 #include <variant>
 
 #include <trellis/base/error.hpp>
-#include <trellis/report/couplings.hpp>
-#include <trellis/report/records.hpp>
-#include <trellis/report/resolves.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis::json {
 
@@ -445,9 +443,8 @@ std::optional<SearchMetrics> read_metrics(const Json& json) {
   }
   read_fields(json, metrics);
   // Tables leave out what is missing.
-  fields_of_shares(metrics, [&](const char* name, double& share) {
-    share = read_number(field(field(json, "proposals"), name));
-  });
+  fields_of_shares(
+      metrics, [&](const char* name, double& share) { share = read_number(field(field(json, "proposals"), name)); });
   return metrics;
 }
 
@@ -657,8 +654,8 @@ std::string RunTables::add(const RunFacts& run) {
       if (!*scores) continue;
       const bool profile = std::string_view(place.path) == "self" && (own || level.level == 0);
       for (const auto& [role, of] : set_roles) {
-        Json row = {{"run", runs_}, {"level", level.level}, {"space", place.space}, {"path", place.path},
-                    {"role", role}};
+        Json row = {
+            {"run", runs_}, {"level", level.level}, {"space", place.space}, {"path", place.path}, {"role", role}};
         add_set((**scores).*of, profile, row);
         measure_.add(row);
       }

@@ -8,11 +8,9 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
+#include <trellis/results/facts.hpp>
 
 namespace trellis {
-
-struct RunResult;
 
 /// Returns the entry of `runs` for one run, on one line without its end.
 std::string run_line(const RunFacts& run);
@@ -31,8 +29,8 @@ ExperimentFacts read_results(const std::string& document, const std::string& fil
 /// \throws Error where the document has another format, whose reports would differ
 void require_format(const ExperimentFacts& facts, const std::string& file);
 
-/// Writes a document of stored runs, run by run: its beginning, each run, its end. `summary`, `comparisons` and `warnings`
-/// are empty. Stores the tables beside the runs until the end, a few hundred bytes for each level.
+/// Writes a document of stored runs, run by run: its beginning, each run, its end. `summary`, `comparisons` and
+/// `warnings` are empty. Stores the tables beside the runs until the end, a few hundred bytes for each level.
 class RunsDocument {
  public:
   RunsDocument();
@@ -65,17 +63,9 @@ std::string runs_csv(const ExperimentFacts& experiment);
 
 // For programs that continue an interrupted experiment.
 
-/// Returns the scores of a run as in its entry of `runs`, with the points of the target, on one line without its end.
-std::string scores_line(const RunResult& run);
-/// Sets what scores_line() stored. \throws Error for another text, and for a run with other levels.
-void restore_scores(RunResult& run, const std::string& line);
-
 std::string pooled_line(const std::string& problem, const std::vector<PooledScores>& pooled);
 /// Appends what pooled_line() stored. \throws Error for another text.
 void restore_pooled(std::vector<PooledScores>& pooled, const std::string& line);
-
-/// Sets all times of a run to those of its run_line(). \throws Error for another text, and for a run with other levels.
-void restore_times(RunResult& run, const std::string& line);
 
 /// Returns a run_line() without times, which differ from run to run.
 std::string without_times(const std::string& line);

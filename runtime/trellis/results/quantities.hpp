@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
+#include <trellis/results/facts.hpp>
 
 namespace trellis {
 

@@ -137,6 +137,29 @@ struct RunFacts : RunTotals {
   std::vector<LevelFacts> levels;
 };
 
+/// Returns the validity checks of a run until its first path.
+CensoredCost path_cost(const RunFacts& run);
+
+/// Returns the names of what may become of a conflict, by TeamConflict::Resolved: "none", "schedule", ...
+const std::array<const char*, 5>& resolved_names();
+
+/// A reason to solve a level again.
+struct ResolveReason {
+  const char* name;  ///< in the JSON document
+  const char* text;  ///< in reports
+  std::uint64_t Resolves::*count;
+};
+inline constexpr std::array<ResolveReason, 8> resolve_reasons = {{
+    {"invalid_path", "its path proved invalid in C", &Resolves::invalid_path},
+    {"rejections", "C rejected guided proposals", &Resolves::rejections},
+    {"lost_place", "another level refuted a place on its path", &Resolves::lost_place},
+    {"presumed_valid", "a configuration that it presumes valid is invalid", &Resolves::presumed_valid},
+    {"changed_world", "its obstacles changed", &Resolves::changed_world},
+    {"new_turn", "its turn came with new samples", &Resolves::new_turn},
+    {"further_path", "its guide asked for another path", &Resolves::further_path},
+    {"refuted_path", "its path could not be certified", &Resolves::refuted_path},
+}};
+
 /// A level's samples of all seeds of a strategy pooled, lifted to the root, on the paths on which single runs are
 /// scored. On each path the pool omits the seed that found it, because a run is never scored on its own path there. The
 /// result differs from that of one run: a mixture of distributions with different supports covers more than each of

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include <dsl/command/explanation.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/common_options.hpp>
-#include <trellis/report/explanation.hpp>
 #include <trellis/report/views/table.hpp>
 #include <trellis/strategy/executor.hpp>
 

@@ -9,12 +9,10 @@
 #include <variant>
 
 #include <trellis/base/error.hpp>
-#include <trellis/experiment/experiment.hpp>
-#include <trellis/report/columns.hpp>
-#include <trellis/report/quantities.hpp>
-#include <trellis/report/records.hpp>
-#include <trellis/report/run_json.hpp>
-#include <trellis/report/summary.hpp>
+#include <trellis/results/columns.hpp>
+#include <trellis/results/quantities.hpp>
+#include <trellis/results/records.hpp>
+#include <trellis/results/run_json.hpp>
 
 namespace trellis {
 
@@ -32,14 +30,6 @@ auto parsed(const std::string& message, Body body) {
   } catch (const std::out_of_range&) {  // of a table that names a run or a level that is not there
     throw Error(message);
   }
-}
-
-const Json& levels_of(const Json& json, const RunResult& run) {
-  const Json& levels = json.at("levels");
-  if (levels.size() != run.levels.size()) {
-    throw Error(fmt::format("the record has {} levels, the run has {}", levels.size(), run.levels.size()));
-  }
-  return levels;
 }
 
 /// The pooled scores of a level.
@@ -178,55 +168,6 @@ RunFacts read_run(const std::string& line) {
   return parsed("this is no record of a run", [&] { return json::read_run(Json::parse(line)); });
 }
 
-std::string scores_line(const RunResult& run) {
-  const RunFacts facts = facts_of(run);
-  Json levels = Json::array();
-  for (std::size_t i = 0; i < run.levels.size(); ++i) {
-    Json& level = levels.emplace_back(Json::object());
-    // Without rounding, as scores over all runs are computed from these.
-    json::add_scores(facts.levels[i].scores ? &run.levels[i] : nullptr, i == 0, level);
-    if (run.levels[i].metrics) level["classes"] = run.levels[i].metrics->classes;
-  }
-  Json points = Json::array();
-  for (const double x : run.target.values()) points.push_back(x);
-  return json::dump({{"problem", run.problem},
-                     {"strategy", run.strategy},
-                     {"seed", run.seed},
-                     {"levels", std::move(levels)},
-                     {"target", {{"dimension", run.target.dimension()}, {"points", std::move(points)}}}});
-}
-
-void restore_scores(RunResult& run, const std::string& line) {
-  parsed("this is no record of scores", [&] {
-    const Json json = Json::parse(line);
-    const Json& levels = levels_of(json, run);
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      const auto scores = json::read_scores(levels[i], i == 0);
-      static_cast<LevelScores&>(run.levels[i]) = scores ? *scores : LevelScores();
-      if (!levels[i].contains("classes")) continue;
-      for (const Json& one : levels[i].at("classes")) {
-        const int number = one.get<int>();
-        if (number < 0 || number > static_cast<int>(NodeClass::invalid)) {
-          throw Error(
-              fmt::format("a node has class {}; there are 0 to {}", number, static_cast<int>(NodeClass::invalid)));
-        }
-        if (auto& metrics = run.levels[i].metrics) metrics->classes.push_back(static_cast<NodeClass>(number));
-      }
-    }
-    const Json& target = json.at("target");
-    const auto points = target.at("points").get<std::vector<double>>();
-    const auto dimension = target.at("dimension").get<std::size_t>();
-    const std::size_t expected = run.levels.empty() ? dimension : run.levels.front().record.space.dimension();
-    if (!points.empty() && dimension != expected) {
-      throw Error(fmt::format("the target's points have {} coordinates, the run's have {}", dimension, expected));
-    }
-    run.target = Configurations(dimension);
-    for (std::size_t i = 0; dimension > 0 && i + dimension <= points.size(); i += dimension) {
-      run.target.push(View(points).subspan(i, dimension));
-    }
-  });
-}
-
 std::string pooled_line(const std::string& problem, const std::vector<PooledScores>& pooled) {
   Json all = Json::array();
   for (const PooledScores& one : pooled) all.push_back(json::pooled(one));
@@ -238,24 +179,6 @@ void restore_pooled(std::vector<PooledScores>& pooled, const std::string& line) 
     const Json json = Json::parse(line);
     for (const Json& one : json.at("pooled")) pooled.push_back(pooled_of(one));
   });
-}
-
-void restore_times(RunResult& run, const std::string& line) {
-  const RunFacts stored = read_run(line);
-  if (stored.levels.size() != run.levels.size()) {
-    throw Error(fmt::format("the record has {} levels, the run has {}", stored.levels.size(), run.levels.size()));
-  }
-  for (const RunQuantity& quantity : run_quantities()) {
-    if (!quantity.clock) continue;
-    std::visit([&](auto member) { run.run.*member = stored.*member; }, quantity.field);
-  }
-  run.cpu_seconds = stored.cpu_seconds;
-  for (std::size_t i = 0; i < std::min(stored.improvements.size(), run.run.improvements.size()); ++i) {
-    run.run.improvements[i].cpu_seconds = stored.improvements[i].cpu_seconds;
-  }
-  for (std::size_t i = 0; i < stored.levels.size(); ++i) {
-    run.levels[i].record.search.seconds = stored.levels[i].seconds;
-  }
 }
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/quantities.hpp>
+#include <trellis/results/quantities.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/explanation.hpp>
 #include <trellis/base/version.hpp>
-#include <trellis/report/explanation.hpp>
 
 #include <fmt/format.h>
 

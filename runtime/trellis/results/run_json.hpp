@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <trellis/experiment/facts.hpp>
-#include <trellis/report/columns.hpp>
-#include <trellis/report/quantities.hpp>
+#include <trellis/results/columns.hpp>
+#include <trellis/results/facts.hpp>
+#include <trellis/results/quantities.hpp>
 
 namespace trellis::json {
 
@@ -61,8 +61,12 @@ class RunTables {
   ColumnWriter measure_;
   /// The set-up of a strategy's guides on a problem: the longest of its runs.
   struct SetUp {
-    std::string problem, strategy;
-    double seconds = 0.0, shared_seconds = 0.0, work = 0.0, queries = 0.0;
+    std::string problem;
+    std::string strategy;
+    double seconds = 0.0;
+    double shared_seconds = 0.0;
+    double work = 0.0;
+    double queries = 0.0;
   };
   std::vector<SetUp> set_ups_;
   std::size_t runs_ = 0;
@@ -75,6 +79,9 @@ Json pooled(const PooledScores& pooled);
 
 /// The number of times that a level was solved again, by reason.
 Json resolves(const Resolves& resolves);
+
+/// Returns the document of an experiment and its runs without what reports derive: its end is missing.
+std::string document(const ExperimentFacts& experiment);
 
 /// Returns the JSON in one line; bytes of names that are not UTF-8 become U+FFFD.
 std::string dump(const Json& json);

@@ -5,9 +5,18 @@
 #include <string>
 #include <string_view>
 
-#include <trellis/report/report.hpp>
-
 namespace trellis {
+
+/// Whether `write_file` waits for the disk. Without it, a power failure may leave an empty file.
+enum class Flush { disk, none };
+
+/// Writes a file atomically: whatever ends the process, the file has its old content or the new one. Keeps the
+/// permissions of a file that it replaces. Writes to terminals, pipes and devices directly.
+/// \throws Error that names the path and the reason.
+void write_file(const std::string& path, const std::string& content, Flush flushed = Flush::disk);
+
+/// The same for a file that must not exist.
+void write_new_file(const std::string& path, const std::string& content);
 
 /// Writes all bytes to an open file, also where a signal interrupts.
 /// \param file  a file descriptor

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/csv.hpp>
+#include <trellis/results/csv.hpp>
 
 #include <charconv>
 #include <string_view>

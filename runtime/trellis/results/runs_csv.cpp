@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include <trellis/report/csv.hpp>
-#include <trellis/report/quantities.hpp>
-#include <trellis/report/records.hpp>
+#include <trellis/results/csv.hpp>
+#include <trellis/results/quantities.hpp>
+#include <trellis/results/records.hpp>
 
 namespace trellis {
 
