@@ -142,8 +142,8 @@ class Results:
                 (number(row["value"]), number(row["lo"]), number(row["hi"]))
             for row in rows if row["estimator"] == HEADLINE}
         self.runs = {}
-        for number, run in enumerate(document["runs"]):
-            self.runs.setdefault((run["problem"], run["strategy"]), []).append(number)
+        for place, run in enumerate(document["runs"]):
+            self.runs.setdefault((run["problem"], run["strategy"]), []).append(place)
         self.pooled = {(row["problem"], row["strategy"], row["role"]): row
                        for row in rows_of(document["pooled"]) if row["key"] == "0"}
         self.measure = {(row["run"], row["role"], row["path"]): row

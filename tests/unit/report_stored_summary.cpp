@@ -2,6 +2,8 @@
 // The document of results is enough for every report.
 #include <algorithm>
 #include <cstddef>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -11,6 +13,7 @@
 
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -127,6 +130,34 @@ TEST_CASE("a document of another format has no reports", "[report][json]") {
   const ExperimentFacts old = read_results(document, "old.json");
   CHECK(old.runs.size() == result.runs.size());
   CHECK_THROWS_WITH(require_format(old, "old.json"), Catch::Matchers::Contains("old.json: trellis"));
+}
+
+TEST_CASE("a document of format 4 has the report that its version printed", "[report][json]") {
+  std::ifstream file(test::golden_folder() / "results_format_4.json");
+  const std::string document(std::istreambuf_iterator<char>(file), {});
+  const ExperimentFacts facts = read_results(document, "results_format_4.json");
+  REQUIRE(facts.format == 4);
+  test::check_golden("report_format_4.txt", report_text(summarise(facts), 100, ReportKind::full));
+  // Written in today's format, it has the same report: the figures of the document as they are printed.
+  const ExperimentFacts again = read_results(report_json(facts, summarise(facts)), "again.json");
+  CHECK(report_text(summarise(again), 100, ReportKind::full) ==
+        report_text(summarise(facts), 100, ReportKind::full));
+}
+
+TEST_CASE("a damaged table is refused by the name of its file", "[report][json]") {
+  const auto [experiment, result] = fixture::passage();
+  const std::string document = fixture::report_json(experiment, result);
+  const auto damaged = [&](const std::string& column, const std::string& other) {
+    std::string text = document;
+    const auto at = text.find("\"levels\": {");
+    const auto found = text.find("\"" + column + "\": ", at);
+    REQUIRE(found != std::string::npos);
+    return text.replace(found, text.find('\n', found) - found, "\"" + column + "\": " + other);
+  };
+  CHECK_THROWS_WITH(read_results(damaged("run", "1000,"), "it.json"), Catch::Matchers::StartsWith("it.json: "));
+  CHECK_THROWS_WITH(read_results(damaged("nodes", "[1],"), "it.json"),
+                    Catch::Matchers::Contains("it.json: the column nodes has 1 values"));
+  CHECK_THROWS_WITH(read_results(damaged("rows", "-1,"), "it.json"), Catch::Matchers::StartsWith("it.json: "));
 }
 
 TEST_CASE("another document is refused by its name", "[report][json]") {

@@ -639,6 +639,9 @@ std::string RunTables::add(const RunFacts& run) {
   alone.levels.clear();
   Json entry = json::run(alone);
   entry.erase("levels");
+  for (const char* rare : {"trajectory", "times"}) {
+    if (entry.at(rare).is_null()) entry.erase(rare);
+  }
   for (const LevelFacts& level : run.levels) {
     levels_.add(level_row(level, runs_));
     if (!level.scores) continue;
