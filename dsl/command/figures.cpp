@@ -19,7 +19,6 @@
 #include <trellis/base/error.hpp>
 #include <trellis/pictures/packed_run.hpp>
 #include <trellis/pictures/scenery.hpp>
-#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 

@@ -93,6 +93,7 @@ class Results:
         left_out = {entry["strategy"] for entry in comparisons if entry.get("ablation")}
         self._listed = [name for name in self._specs if name not in left_out]
         self._levels: Optional[Dict[int, List[Mapping[str, Any]]]] = None
+        self._scores: Optional[Dict[Tuple[int, str, str], Mapping[str, Any]]] = None
         self._pooled: Optional[Dict[Tuple[str, str], Dict[str, Mapping[str, Any]]]] = None
         self._runs: Dict[Tuple[str, str], List[Mapping[str, Any]]] = {}
         for run in document.get("runs") or []:
@@ -175,8 +176,23 @@ class Results:
             self._levels = {}
             for row in rows(self.document["levels"]):
                 self._levels.setdefault(row["run"], []).append(row)
-        number = next(i for i, other in enumerate(self.document["runs"]) if other is run)
-        return self._levels.get(number, [])
+        return self._levels.get(self._number(run), [])
+
+    def scores(self, run: Mapping[str, Any], role: str, path: str = "self") -> Mapping[str, Any]:
+        """The figures of the samples of a run's root on a path: a row of the table `measure`; empty where there is
+        none."""
+        for part in self.parts:
+            if any(other is run for other in part.document["runs"]):
+                return part.scores(run, role, path)
+        if self._scores is None:
+            self._scores = {}
+            for row in rows(self.document.get("measure") or {"rows": 0}):
+                if row["level"] == 0 and row["space"] == "root":
+                    self._scores[row["run"], row["role"], row["path"]] = row
+        return self._scores.get((self._number(run), role, path), {})
+
+    def _number(self, run: Mapping[str, Any]) -> int:
+        return next(i for i, other in enumerate(self.document["runs"]) if other is run)
 
     def pooled(self, problem: str, strategy: str) -> Mapping[str, Mapping[str, Any]]:
         """The samples of the robot's own level of all seeds together: rows of the table `pooled`, by their role."""

@@ -189,22 +189,21 @@ def profile_of(results: Results, problem: str, strategy: str, role: str) -> Opti
     """The mean over the runs of a strategy, each along its own path; None where the document has none."""
     found = []
     for run in results.runs(problem, strategy):
-        levels = run.get("levels") or []
-        measure = (levels[0].get("measure") if levels else None) or {}
-        along = ((measure.get(role) or {}).get("self") or {}).get("along") or {}
-        if along.get("target") and along.get("samples"):
-            found.append(([float(x) for x in along["samples"]], [float(x) for x in along["target"]]))
+        row = results.scores(run, role)
+        if row.get("along.target") and row.get("along.samples"):
+            # Shares in ten thousandths.
+            found.append(([x / 1e4 for x in row["along.samples"]], [x / 1e4 for x in row["along.target"]]))
     if not found:
         return None
     counts = sorted(len(target) for _, target in found)
     middle = (counts[len(counts) // 2] + counts[(len(counts) - 1) // 2]) // 2
     samples = np.array([_spread(shares, middle) for shares, _ in found])
     target = np.array([_spread(shares, middle) for _, shares in found]).mean(0)
-    entry = results.entry(problem, strategy)
-    root = entry["levels"][0] if entry and entry["levels"] else {}
-    pooled = ((root.get("measure") or {}).get("pooled") or {}).get(role) or {}
+    row = results.pooled(problem, strategy).get(role, {})
+    bottleneck = {key[len("bottleneck."):]: value for key, value in row.items()
+                  if key.startswith("bottleneck.") and value is not None}
     return Profile(strategy, role, [mean_interval(list(part)) for part in samples.T], [float(x) for x in target],
-                   pooled.get("bottleneck"))
+                   bottleneck or None)
 
 
 def profiles(results: Results, problem: str, names: Sequence[str]) -> List[Profile]:
