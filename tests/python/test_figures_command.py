@@ -261,6 +261,18 @@ class References(unittest.TestCase):
                                      for name in names for problem in results.problems})
         self.assertNotIn(0.4, [line.get_alpha() for line in figures.ratios(results).get_lines()])
 
+    def test_ratios_of_cpu_time(self):
+        results = figures.read(DOCUMENTS["planners"])
+        paired = figures.tables(results)["paired"]
+        paired = paired[paired.quantity == "cpu_s"]
+        for against in _compare.AGAINST:
+            found = _compare.ratios_of(results, against, "cpu_s")
+            for row in paired[paired.against == against].to_dict("records"):
+                self.assertEqual(found.of(row["problem"], row["strategy"]).value, row["paired_ratio"])
+        ax = figures.ratios(results, cost="cpu_s", together=True)
+        self.assertEqual(faults_of(ax.figure), [])
+        self.assertEqual(ax.get_xlabel(), "CPU time ÷ that of rrt_connect, same seeds")
+
     def test_strategies_tuned_on_a_problem_have_rings(self):
         content = content_of("planners")
         content["experiment"]["problems"][0].update(group="own", tuned=True)
@@ -271,6 +283,8 @@ class References(unittest.TestCase):
 
     def test_faults(self):
         for fault, call in {
+            "there is no cost 'time_s'; there are: validity_checks, cpu_s":
+                lambda: figures.ratios(DOCUMENTS["planners"], cost="time_s"),
             "there is no reference 'part'; there are: baseline, own_planner, best_part":
                 lambda: figures.ratios(DOCUMENTS["planners"], against="part"),
             "ratios beside best_part need a strategy with two guides":
@@ -405,7 +419,8 @@ class WorldsAlone(unittest.TestCase):
         session = figures.read(written(least, "session.json"))
         ax = figures.world(session, level=2)
         self.assertEqual([text.get_text() for text in ax.texts], [text.get_text() for text in list(whole)[0].texts])
-        self.assertEqual(figures.supported(session), ["costs", "success", "profile", "world", "levels_of_world", "strip"])
+        self.assertEqual(figures.supported(session),
+                         ["costs", "success", "profile", "world", "levels_of_world", "strip"])
         for fault, call in {
             "'both' has no level 3; there are: 0 root, 1 shrink.0.5., 2 skeleton..":
                 lambda: figures.world(results, problem="trap", strategies=["both"], level=3),
@@ -541,7 +556,8 @@ class Command(unittest.TestCase):
         content = content_of("scored")
         content["runs"] = content["runs"][:2]
         places = [("experiment",), ("experiment", "strategies"), ("experiment", "problems", 0), ("worlds",),
-                  ("worlds", 0), ("worlds", 0, "bounds"), ("robots", 0), ("scenes", 0), ("scenes", 0, "axes"), ("runs",), ("runs", 0),
+                  ("worlds", 0), ("worlds", 0, "bounds"), ("robots", 0), ("scenes", 0), ("scenes", 0, "axes"), ("runs",),
+                  ("runs", 0),
                   ("runs", 0, "path"), ("runs", 0, "levels"), ("summary",), ("summary", 0, "levels"),
                   ("summary", 0, "validity_checks"), ("comparisons", 0), ("comparisons", 0, "validity_checks")]
         for place in places:

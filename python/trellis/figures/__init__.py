@@ -24,10 +24,10 @@
 | `tables` | the numbers: frames of pandas, CSV, Markdown, LaTeX |
 
 Each function takes a document (a path, a dict, a `trellis.Result`, what `read` returned, or a list of these) and `ax=`,
-and returns the axes. Text has 7 pt; the baseline is grey, and each other strategy has a colour, a mark and a dash by its place in the
-document, the same in every figure. Pictures of worlds show the samples of `trellis run --samples` or `--out`. Medians,
-intervals and verdicts are those of the document. Widths are 86 mm (a column) or 178 mm (a page). pyplot is not used,
-and no setting of matplotlib is changed.
+and returns the axes. Text has 7 pt; the baseline is grey, and each other strategy has a colour, a mark and a dash by
+its place in the document, the same in every figure. Pictures of worlds show the samples of `trellis run --samples` or
+`--out`. Medians, intervals and verdicts are those of the document. Widths are 86 mm (a column) or 178 mm (a page).
+pyplot is not used, and no setting of matplotlib is changed.
 
 Needs numpy and matplotlib (Debian: python3-matplotlib); frames need pandas (python3-pandas). The command
 `python3 -m trellis.figures` does the same; `trellis report --figures` calls it.

@@ -65,7 +65,7 @@ def over_all(results: Results, rows: Sequence[Compared], quantity: str = "validi
 
 
 class Ratios(NamedTuple):
-    """Ratios of validity checks, of problems and of all of them together (None)."""
+    """Ratios of costs, of problems and of all of them together (None)."""
 
     ratio: Mapping[Tuple[Optional[str], str], Interval]
     shown: Mapping[Tuple[Optional[str], str], bool]
@@ -75,19 +75,19 @@ class Ratios(NamedTuple):
         return self.ratio.get((problem, strategy), Interval())
 
 
-def ratios_of(results: Results, against: str) -> Ratios:
-    """The ratios beside the baseline are those of the document; others are computed from its runs."""
+def ratios_of(results: Results, against: str, quantity: str = "validity_checks") -> Ratios:
+    """The ratios of checks beside the baseline are those of the document; others are computed from its runs."""
     ratio: Dict[Tuple[Optional[str], str], Interval] = {}
     shown: Dict[Tuple[Optional[str], str], bool] = {}
-    if against == "baseline":
+    if against == "baseline" and quantity == "validity_checks":
         for name in results.others:
             for problem in [*results.problems, None]:
                 ratio[problem, name] = results.ratio(problem, name)
                 shown[problem, name] = results.shown(problem, name)
         return Ratios(ratio, shown)
-    rows = compared(results, against, names=results.strategies)
+    rows = compared(results, against, quantity, results.strategies)
     every: List[Tuple[Optional[str], Compared]] = [(row.problem, row) for row in rows]
-    every += [(None, row) for row in over_all(results, rows).values()]
+    every += [(None, row) for row in over_all(results, rows, quantity).values()]
     for problem, row in every:
         ratio[problem, row.strategy] = row.costs.ratio
         shown[problem, row.strategy] = row.holm_p < 0.05

@@ -389,7 +389,7 @@ def _ratios_panel(ax: Any, results: Results, found: Ratios, problems: Sequence[O
 
 
 def ratios(document: Document, *, problem: Problem = None, strategies: Strategies = None, against: str = "baseline",
-           together: bool = False, ax: Any = None) -> Any:
+           cost: str = "validity_checks", together: bool = False, ax: Any = None) -> Any:
     """Does guidance pay? A forest plot of the validity checks divided by the reference's on the same seed: the median,
     with its 95 % interval. Left of 1, tinted, the strategy costs less. A mark is filled where the sign test, corrected
     by Holm over the comparisons, shows a difference (5 %). An arrow ends an interval that continues beyond the axis; in
@@ -400,6 +400,7 @@ def ratios(document: Document, *, problem: Problem = None, strategies: Strategie
     against:  the reference: "baseline"; "own_planner", the strategy of the document that is the same planner without
               guides; or "best_part", of a strategy with several guides the cheaper of the strategies with a part of
               them (default "baseline").
+    cost:     "validity_checks" until the first path, or "cpu_s", the CPU time of runs (default "validity_checks").
     together: whether the seeds of all problems count together (default False).
     ax:       axes to draw in, one, or two for many rows (default those of a new figure, 86 mm wide; many rows are in
               two columns of 178 mm).
@@ -408,12 +409,13 @@ def ratios(document: Document, *, problem: Problem = None, strategies: Strategie
     reference.
     """
     check_against(against)
+    check_cost(cost, ("validity_checks", "cpu_s"))
     results = read(document)
     beside, needed = _BESIDE[against]
     given = [name for name in results.chosen(strategies) if against != "baseline" or name != results.baseline]
     if not results.baseline or not given:
         raise Error(f"{results.file}: ratios need a baseline and another strategy")
-    found = ratios_of(results, against)
+    found = ratios_of(results, against, cost)
     problems = chosen_problems(results, problem, together, 24)
     names = [name for name in given if against == "baseline" or any((one, name) in found.ratio for one in problems)]
     if not names:
@@ -451,7 +453,11 @@ def ratios(document: Document, *, problem: Problem = None, strategies: Strategie
             _ratios_panel(one, results, found, half, names, its, every)
             if own and len(half) < len(halves[0]):  # rows as high as those of the other column
                 one.set_ylim(axes[0].get_ylim())
-        _style.below(axes, f"checks ÷ {beside.format(results.baseline)}, same seeds", own, margins)
+        beside = beside.format(results.baseline)
+        if cost == "cpu_s":
+            beside = beside.replace("those", "that", 1)
+        label = f"{'CPU time' if cost == 'cpu_s' else 'checks'} ÷ {beside}"
+        _style.below(axes, f"{label}, same seeds", own, margins)
     return _style.returned(axes)
 
 
