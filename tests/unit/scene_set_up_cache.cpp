@@ -16,7 +16,7 @@ struct SmallWorld {
   [[nodiscard]] std::shared_ptr<const void> identity() const { return shared; }
 };
 
-constexpr auto pause = std::chrono::milliseconds(2);
+constexpr auto spend_time = std::chrono::milliseconds(2);
 constexpr double paused = 0.002;
 
 }  // namespace
@@ -28,13 +28,13 @@ TEST_CASE("each run reports what the shared set-ups took that it uses, and the f
   int computed = 0;
   const auto inner_of = [&] {
     return *inner.get(world, [&](const SmallWorld&) {
-      std::this_thread::sleep_for(pause);
+      std::this_thread::sleep_for(spend_time);
       return ++computed;
     });
   };
   const auto outer_of = [&] {
     return *outer.get(world, [&](const SmallWorld&) {
-      std::this_thread::sleep_for(pause);
+      std::this_thread::sleep_for(spend_time);
       return 10 + inner_of();
     });
   };
