@@ -2,7 +2,8 @@
 -- Which figure ranks guides as their costs do? Guides of the catalogue over rrt, in 14 worlds.
 --
 --   trellis run examples/correlation.lua --quiet --json nats.json
---   trellis report nats.json --out nats        prints the rank correlations, and draws nats/figures/correlation
+--   trellis report nats.json --report costs                        prints the rank correlations
+--   trellis report nats.json --figures nats --figure correlation   draws them
 --
 -- docs/measure.md has the results. `bound = 0`: with a bound the nodes of the root include those of the planner that
 -- searches beside it without guides, and a bad guide costs little; the nats and the checks would be those of both.

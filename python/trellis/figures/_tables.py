@@ -124,6 +124,31 @@ def _correlation(results: Results) -> List[Dict[str, Any]]:
     return rows
 
 
+# Efficiency ----------------------------------------------------------------------------------------------------------
+
+_EFFICIENCY = ("problem", "strategy", "samples", "seeds", "N", "hitting", "hitting_lo", "hitting_hi", "mass", "spread",
+               "SE", "SE_lo", "SE_hi", "uniform")
+
+
+def _efficiency(results: Results) -> List[Dict[str, Any]]:
+    """Of the root's samples of all seeds together, each on the path of a seed left out."""
+    rows: List[Dict[str, Any]] = []
+    for problem in results.problems:
+        for strategy in results.strategies:
+            found = results.pooled(problem, strategy)
+            for role, name in (("tree", "nodes"), ("expansion", "proposals")):
+                row = found.get(role)
+                if row is None or row.get("SE") is None:
+                    continue
+                values = {key: number(row.get(of)) for key, of in (
+                    ("hitting", "hitting.nats"), ("hitting_lo", "hitting.lo"), ("hitting_hi", "hitting.hi"),
+                    ("mass", "SE_parts.mass"), ("spread", "SE_parts.spread"), ("SE", "SE"), ("SE_lo", "SE_lo"),
+                    ("SE_hi", "SE_hi"), ("uniform", "D_uniform"))}
+                rows.append({"problem": problem, "strategy": strategy, "samples": name, "seeds": row["seeds"],
+                             "N": row["N"], **values})
+    return rows
+
+
 # Texts ---------------------------------------------------------------------------------------------------------------
 
 
@@ -151,6 +176,15 @@ def _printed(name: str, rows: Sequence[Mapping[str, Any]]) -> List[List[str]]:
     if name == "correlation":
         body = [[row["nats"], *(_range(row, role, _style.signed) for role in ("nodes", "proposals"))] for row in rows]
         return [["nats above uniform", "of the nodes", "of the proposals"], *body]
+    if name == "efficiency":
+        signed = _style.signed
+
+        def nats(x: float) -> str:
+            return f"{round(x, 2) + 0.0:.2f}"  # never "-0.00"
+
+        body = [[row["problem"], row["strategy"], row["samples"], _range(row, "hitting", signed),
+                 nats(row["mass"]), nats(row["spread"]), _range(row, "SE", nats), nats(row["uniform"])] for row in rows]
+        return [["problem", "strategy", "samples", "hitting", "mass", "spread", "SE", "uniform"], *body]
     body = [[row["problem"], row["strategy"], row["reference"], row["quantity"], f"{row['solved']}/{row['runs']}",
              digits(row["ratio_of_medians"]), digits(row["ratio_of_totals"]), digits(row["paired_ratio"]),
              "–" if math.isnan(row["lo"]) else f"{digits(row['lo'])} – {digits(row['hi'])}", _p(row["holm_p"])]
@@ -170,7 +204,7 @@ def _csv(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
     return out.getvalue()
 
 
-_LEFT = {"problem", "strategy", "without", "reference", "cost", "nats above uniform", ""}
+_LEFT = {"problem", "strategy", "without", "reference", "cost", "nats above uniform", "samples", ""}
 
 
 def _markdown(cells: List[List[str]]) -> str:
@@ -199,7 +233,7 @@ def _latex(cells: List[List[str]]) -> str:
 
 
 _MAKERS = {"costs": (_costs, _COSTS), "levels": (_levels, _LEVELS), "paired": (_paired, _PAIRED),
-           "correlation": (_correlation, _CORRELATION)}
+           "efficiency": (_efficiency, _EFFICIENCY), "correlation": (_correlation, _CORRELATION)}
 
 
 def tables(document: Document, format: Optional[str] = None) -> Dict[str, Any]:
@@ -210,6 +244,8 @@ def tables(document: Document, format: Optional[str] = None) -> Dict[str, Any]:
     levels:      a row of each guide that was tested: checks without it divided by those with it, and the verdict.
     paired:      a row of each strategy, reference and cost, as `table.csv` of `trellis report --report costs`: beside
                  the baseline, its own planner, and the cheaper of its parts.
+    efficiency:  a row of each strategy's nodes and proposals of all seeds together on each problem: hitting, mass,
+                 spread and SE in nats, with 95 % intervals, and the SE of uniform samples.
     correlation: rank correlations of nats with checks, as of `correlation`.
 
     document: what `read` takes.
