@@ -170,7 +170,8 @@ class Documents(unittest.TestCase):
             source = pathlib.Path(figures.__file__).parent
             place = pathlib.Path(folder, "trellis")
             shutil.copytree(source, place / "figures", ignore=shutil.ignore_patterns("__pycache__"))
-            shutil.copy(source.parent / "__init__.py", place)
+            for module in ("__init__.py", "_columns.py"):
+                shutil.copy(source.parent / module, place)
             code = "import trellis, sys\nfrom trellis import figures\nassert trellis.figures is figures\n" \
                    f"assert figures.costs({DOCUMENTS['one']!r}) is not None\n" \
                    "assert 'run' in dir(trellis) and 'matplotlib.pyplot' not in sys.modules\n" \
@@ -200,8 +201,8 @@ class Documents(unittest.TestCase):
         text = pathlib.Path(PLACE.name, "text.json")
         text.write_text("not JSON", encoding="utf-8")
         for fault, call in {
-            "format 2; figures read format 4": lambda: figures.read(other),
-            "format 1; figures read format 4": lambda: figures.read({**content, "trellis": {"version": "0.0.1"}}),
+            "format 2; figures read format 5": lambda: figures.read(other),
+            "format 1; figures read format 5": lambda: figures.read({**content, "trellis": {"version": "0.0.1"}}),
             "no document of `trellis run --json`": lambda: figures.costs({"runs": []}),
             "text.json: this is no JSON document": lambda: figures.costs(str(text)),
             "a document is a path, a dict or a result, got int": lambda: figures.read(3),

@@ -206,7 +206,7 @@ TEST_CASE("the runs are a table in CSV with a row for each", "[report]") {
     const auto& root = run.levels.front().own;
     CHECK(cells["tree_SE"].empty() == (!root || std::isnan(root->tree.value)));
     if (cells["tree_SE"].empty()) continue;
-    const Efficiency& tree = root->tree;
+    const Efficiency tree = rounded(root->tree);
     CHECK(std::stod(cells["tree_SE"]) == tree.value);
     CHECK(std::stod(cells["tree_D_uniform"]) == tree.uniform);
     const std::map<std::string, double> measured = {

@@ -484,7 +484,7 @@ def verdicts(results: Results, problem: Optional[str]) -> List[LevelVerdict]:
         if entry is None:
             continue
         guides: List[Mapping[str, Any]] = [dict(level, guide=level["name"]) for level in entry["levels"]]
-        for guide in guides + list(entry["guides_without_level"]):
+        for guide in guides + list(entry.get("guides_without_level", [])):
             verdict = guide.get("verdict")
             if not verdict:
                 continue

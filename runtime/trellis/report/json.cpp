@@ -89,9 +89,7 @@ Json verdict_json(const Verdict& verdict) {
   const PairCounts& counts = verdict.counts;
   Json out = {{"verdict", verdict_word(verdict)},
               {"ratio", counts.pairs > 0 ? ratio_json(verdict.ratio) : Json(nullptr)},
-              {"pairs", counts.pairs},
-              {"less", counts.less},
-              {"greater", counts.greater}};
+              {"pairs", counts.pairs}};
   if (verdict.pairs_needed > 0) out["pairs_needed"] = verdict.pairs_needed;
   if (verdict.more_ablation > 0.0) out["budget_spent"] = true;
   if (verdict.together) out["together"] = true;
@@ -130,23 +128,21 @@ Json summary_json(const StrategySummary& of, const Json& problem) {
     const LevelSummary& level = summary.levels[i];
     levels.push_back({{"key", level.key},
                       {"name", level.name},
-                      {"parent", level.parent < 0 ? Json(nullptr) : Json(level.parent)},
                       {"planner", level.planner},
-                      {"check_share", number(level.check_share)},
                       {"verdict", i < of.verdicts.size() ? verdict_json(of.verdicts[i]) : Json(nullptr)}});
   }
   Json json = {{"problem", problem},
                {"strategy", of.strategy},
                {"runs", summary.runs},
                {"solved", summary.solved},
-               {"unsolved_reasons", text_or_null(of.unsolved)},
                {"success", interval_json(summary.success)},
                {"validity_checks", interval_json(summary.validity_checks)},
                {"motion_checks", interval_json(summary.motion_checks)},
                {"time_s", interval_json(summary.seconds)},
                {"length", interval_json(summary.length)},
-               {"levels", std::move(levels)},
-               {"guides_without_level", std::move(guides)}};
+               {"levels", std::move(levels)}};
+  if (!of.unsolved.empty()) json["unsolved_reasons"] = of.unsolved;
+  if (!guides.empty()) json["guides_without_level"] = std::move(guides);
   if (!summary.levels.empty()) {
     const LevelSummary& root = summary.levels.front();
     if (Json means = means_json(root.own, root.root_cross); !means.is_null()) json["means"] = std::move(means);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes documents of results, whole or run by run.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -21,9 +22,13 @@ using json::Json;
 using json::lines;
 
 Json cost_json(const CensoredCost& cost) {
-  return {
-      {"validity_checks", static_cast<std::uint64_t>(cost.spent)}, {"solved", cost.solved}, {"cut_off", cost.cut_off}};
+  const bool whole = cost.spent == std::floor(cost.spent);
+  Json out = {{"validity_checks", whole ? Json(static_cast<std::uint64_t>(cost.spent)) : Json(cost.spent)},
+              {"solved", cost.solved}};
+  if (cost.cut_off) out["cut_off"] = true;
+  return out;
 }
+
 /// The pairs of tested runs as a table.
 Json pairs_json(const std::vector<TestedPair>& pairs) {
   json::ColumnWriter table;

@@ -609,7 +609,7 @@ void add_set(const Efficiency& set, bool profile, Json& row) {
   for (const Estimate& other : set.others) others.push_back({other.estimator, number(other.value)});
   row["N"] = set.samples;
   row["n"] = set.in_target;
-  row["estimator"] = set.estimator;
+  row["estimator"] = std::isnan(set.value) ? Json(nullptr) : Json(set.estimator);
   row["others"] = std::move(others);
   row["flags"] = set.flags;
   row["reason"] = set.reason.empty() ? Json(nullptr) : Json(set.reason);
@@ -623,7 +623,7 @@ Efficiency read_set(const Json& row) {
   e.along.samples = read_shares(field(field(row, "along"), "samples"));
   e.samples = row.at("N").get<std::size_t>();
   e.in_target = row.at("n").get<std::size_t>();
-  e.estimator = row.at("estimator").get<std::string>();
+  if (row.at("estimator").is_string()) e.estimator = row.at("estimator").get<std::string>();
   if (const Json& reason = field(row, "reason"); reason.is_string()) e.reason = reason.get<std::string>();
   row.at("flags").get_to(e.flags);
   for (const Json& other : row.at("others")) {
