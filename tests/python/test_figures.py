@@ -730,7 +730,13 @@ class Files(unittest.TestCase):
     def test_tables(self):
         texts = {form: figures.tables(DOCUMENTS["one"], form) for form in ("csv", "markdown", "latex")}
         for form in texts:
-            self.assertEqual(list(texts[form]), ["costs", "levels", "paired"])
+            self.assertEqual(list(texts[form]), ["costs", "levels", "paired", "efficiency"])
+        # All seeds together, as the document has them.
+        efficiency = figures.tables(DOCUMENTS["one"])["efficiency"]
+        self.assertEqual(set(efficiency.samples), {"nodes", "proposals"})
+        for row in efficiency.itertuples():
+            self.assertAlmostEqual(row.mass + row.spread, row.SE, places=5)
+            self.assertTrue(row.SE_lo <= row.SE <= row.SE_hi)
         rows = list(csv.DictReader(texts["csv"]["costs"].splitlines()))
         self.assertEqual([row["strategy"] for row in rows], ["rrt", "nested"])
         results = figures.read(DOCUMENTS["one"])
