@@ -140,8 +140,7 @@ TEST_CASE("a document of format 4 has the report that its version printed", "[re
   test::check_golden("report_format_4.txt", report_text(summarise(facts), 100, ReportKind::full));
   // Written in today's format, it has the same report: the figures of the document as they are printed.
   const ExperimentFacts again = read_results(report_json(facts, summarise(facts)), "again.json");
-  CHECK(report_text(summarise(again), 100, ReportKind::full) ==
-        report_text(summarise(facts), 100, ReportKind::full));
+  CHECK(report_text(summarise(again), 100, ReportKind::full) == report_text(summarise(facts), 100, ReportKind::full));
 }
 
 TEST_CASE("a damaged table is refused by the name of its file", "[report][json]") {
