@@ -26,6 +26,7 @@ def main():
         print(f"skipped: {missing}; python3-pandas and python3-matplotlib are needed")
         return SKIPPED
     matplotlib.use("Agg")
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
     trellis, page, examples = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
     blocks = re.findall(r"^```(sh|python|text)\n(.*?)^```$", page.read_text(), re.M | re.S)
     lines = sum(len(text.splitlines()) for language, text in blocks if language == "python")

@@ -22,6 +22,7 @@
 | `strip` | how does the robot move? |
 | `schedule` | which robot of a team waits, and how close do they come? |
 | `tables` | the numbers: frames of pandas, CSV, Markdown, LaTeX |
+| `frame` | runs, levels and scores as they are stored: a frame of pandas |
 
 Each function takes a document (a path, a dict, a `trellis.Result`, what `read` returned, or a list of these) and `ax=`,
 and returns the axes. Text has 7 pt; the baseline is grey, and each other strategy has a colour, a mark and a dash by
@@ -48,7 +49,7 @@ from ._document import Error, Interval, Results, read
 from ._measure import correlation, scales, waterfall
 from ._paths import length, profile
 from ._save import save, supported, svg
-from ._tables import tables
+from ._tables import frame, tables
 from ._teams import schedule
 from ._worlds import levels_of_world, strip, world
 
@@ -59,6 +60,7 @@ __all__ = [
     "Results",
     "correlation",
     "costs",
+    "frame",
     "length",
     "levels",
     "levels_of_world",

@@ -511,7 +511,7 @@ def _configuration(given: Any, width: int) -> Optional[Array]:
         found = np.asarray(given, float)
     except (TypeError, ValueError):
         return None
-    return found if found.shape == (width,) and np.isfinite(found).all() else None
+    return found if width and found.shape == (width,) and np.isfinite(found).all() else None
 
 
 class Level:

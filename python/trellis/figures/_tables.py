@@ -7,10 +7,12 @@ import io
 import math
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
+from .._columns import rows
 from . import _style
 from ._compare import AGAINST, compared
 from ._costs import title, verdict_text, verdicts
 from ._document import Document, Error, Interval, Results, number, read
+from ._join import nearest
 from ._measure import PAIRS, PREDICTORS, correlate
 from ._statistics import PairedCosts
 
@@ -257,6 +259,33 @@ def tables(document: Document, format: Optional[str] = None) -> Dict[str, Any]:
         raise Error(f"there is no format '{format}' of tables; there are: {', '.join(ENDINGS)}")
     results = read(document)
     return {name: _formatted(name, rows, format) for name, rows in rows_of(results).items()}
+
+
+def frame(document: Document, table: str) -> "pandas.DataFrame":
+    """A table of a document as a frame of pandas: "runs", a row of each run; "levels", of each level of each run;
+    "measure", of each score; "pooled", of the scores of all seeds together; "setups", of what runs of a world share.
+    Rows of levels and scores have the problem, strategy and seed of their run. docs/formats.md has the columns.
+
+    Raises `Error` for another table, and ImportError without pandas.
+    """
+    results = read(document)
+    runs = results.document["runs"]
+    if table == "runs":
+        try:
+            import pandas
+        except ImportError as missing:
+            raise ImportError("tables need pandas (Debian: python3-pandas)") from missing
+        return pandas.json_normalize(list(runs))
+    known = ("runs", "levels", "measure", "pooled", "setups")
+    if table not in known:
+        raise Error(f"there is no table '{table}'{nearest(table, known)}; there are: {', '.join(known)}")
+    content = results.document.get(table) or {"rows": 0}
+    its = rows(content)
+    names = [name for name in content if name != "rows"]
+    if "run" not in names:
+        return _frame(its, names)
+    of_run = ("problem", "strategy", "seed")
+    return _frame([{**{key: runs[row["run"]][key] for key in of_run}, **row} for row in its], [*of_run, *names])
 
 
 def _formatted(name: str, rows: Sequence[Mapping[str, Any]], format: Optional[str]) -> Union[str, "pandas.DataFrame"]:

@@ -158,7 +158,7 @@ Json experiment_json(const Experiment& experiment) {
                         {"dimension", p.space.dimension()},
                         {"coordinates", names_of(p.space)},
                         {"start", array(View(p.start))},
-                        {"goal", array(View(p.goal()))},
+                        {"goal", p.goals.empty() ? Json(nullptr) : array(View(p.goal()))},
                         {"goal_tolerance", number(p.goal_tolerance)},
                         {"resolution", number(p.resolution)},
                         {"contact_tolerance", number(certificate_tolerance(p))},

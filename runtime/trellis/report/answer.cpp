@@ -852,7 +852,7 @@ const AnswerTable* Answer::table() const {
 Answer answer_of(const ExperimentFacts& experiment, const ExperimentSummary& summary) {
   Answer answer;
   answer.baseline = summary.baseline;
-  if (summary.problems.empty()) return answer;
+  if (summary.problems.empty() || summary.strategies.empty()) return answer;
   const Source source(experiment, summary);
   for (const ProblemSummary& problem : summary.problems) answer.tables.push_back(table_of(source, problem));
   if (summary.together) {
