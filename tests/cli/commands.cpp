@@ -161,7 +161,7 @@ TEST_CASE("run --figures draws the figures of the document, and its tables", "[s
   }
 }
 
-TEST_CASE("without matplotlib a run says what to install, and goes on") {
+TEST_CASE("without matplotlib a run says what to install, and continues") {
   const Place place;
   place.script("plain.lua",
                "return experiment { problems = scenes.cup(), seeds = 1, measure = false, strategies = { rrt {} } }");
