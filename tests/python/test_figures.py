@@ -748,6 +748,21 @@ class Files(unittest.TestCase):
         row = infinite[(infinite.problem == "bug_trap") & (infinite.strategy == "rrt")]
         self.assertTrue(np.isinf(row.checks).all())
 
+    def test_frames(self):
+        document = json.loads(pathlib.Path(DOCUMENTS["one"]).read_text(encoding="utf-8"))
+        runs, levels = (figures.frame(DOCUMENTS["one"], name) for name in ("runs", "levels"))
+        self.assertEqual(len(runs), len(document["runs"]))
+        self.assertEqual(len(levels), document["levels"]["rows"])
+        # The levels of a run say what the run spent.
+        spent = levels.groupby(["problem", "strategy", "seed"])["validity_checks"].sum()
+        for run in document["runs"]:
+            self.assertLessEqual(spent[run["problem"], run["strategy"], run["seed"]], run["validity_checks"])
+        self.assertIn("SE", figures.frame(DOCUMENTS["one"], "measure").columns)
+        self.assertEqual(set(figures.frame(DOCUMENTS["one"], "setups").columns) - {"set_up_work", "queries"},
+                         {"problem", "strategy", "set_up_s", "shared_set_up_s"})
+        with self.assertRaisesRegex(figures.Error, "there is no table 'level'.*did you mean 'levels'"):
+            figures.frame(DOCUMENTS["one"], "level")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -24,6 +24,7 @@ import matplotlib
 import numpy as np
 
 from trellis import figures
+from trellis._columns import rows
 from trellis.figures import __main__ as main
 from trellis.figures import _compare, _paths, _scenes, _statistics
 
@@ -155,7 +156,7 @@ class Joined(unittest.TestCase):
                     a, b = (getattr(one.ratio(problem, name), end) for one in (whole, joined))
                     self.assertTrue(a == b or math.isclose(a, b) or name == "rrt", (problem, name, end, a, b))
                 if name != "rrt":
-                    a, b = (one.comparison(problem, name)["validity_checks"]["holm_p"] for one in (whole, joined))
+                    a, b = (one.comparison(problem, name)["holm_p"] for one in (whole, joined))
                     self.assertAlmostEqual(a, b, places=12)
         # Figures of levels and of the measure are of one document.
         self.assertEqual(figures.supported(joined), ["costs", "success", "ratios", "correlation", "profile", "world",
@@ -324,15 +325,19 @@ class Paths(unittest.TestCase):
         results = figures.read(DOCUMENTS["scored"])
         self.assertEqual(_paths.profiled(results), ["trap", "bug_trap"])
         found = _paths.profile_of(results, "trap", "rrt", "tree")
-        self.assertAlmostEqual(sum(part.value for part in found.samples), 1)
-        self.assertAlmostEqual(sum(found.target), 1)
+        self.assertAlmostEqual(sum(part.value for part in found.samples), 1, 3)  # of ten thousandths
+        self.assertAlmostEqual(sum(found.target), 1, 3)
         # Runs in as many parts: means and Student's interval of them.
         content = content_of("scored")
         shares = ([0.1, 0.2, 0.3, 0.4], [0.4, 0.3, 0.2, 0.1], [0.25] * 4, [0.2, 0.2, 0.2, 0.4], [0.1, 0.1, 0.4, 0.4])
-        runs = [run for run in content["runs"] if run["problem"] == "trap" and run["strategy"] == "rrt"][:5]
-        for run, samples in zip(runs, shares):
-            run["levels"][0]["measure"]["tree"]["self"]["along"].update(samples=samples, target=[0.25] * 4)
-        content["runs"] = runs
+        chosen = [i for i, run in enumerate(content["runs"]) if run["problem"] == "trap" and run["strategy"] == "rrt"][:5]
+        content["runs"] = [content["runs"][i] for i in chosen]
+        its = [row for row in rows(content["measure"]) if row["run"] in chosen and row["level"] == 0
+               and (row["space"], row["path"], row["role"]) == ("root", "self", "tree")]
+        for row, samples in zip(its, shares):
+            row.update({"run": chosen.index(row["run"]), "along.target": [2500] * 4,
+                        "along.samples": [round(1e4 * share) for share in samples]})
+        content["measure"] = {"rows": len(its), **{key: [row[key] for row in its] for key in its[0]}}
         found = _paths.profile_of(figures.read(content), "trap", "rrt", "tree")
         for k, part in enumerate(found.samples):
             column = [its[k] for its in shares]
@@ -347,7 +352,7 @@ class Paths(unittest.TestCase):
         self.assertEqual(faults_of(axes[0].figure), [])
         titles = [ax.get_title(loc="left") for ax in axes]
         self.assertEqual(titles[:2], ["rrt: nodes", "rrt: proposals"])
-        place = results.entry("trap", "rrt")["levels"][0]["measure"]["pooled"]["tree"]["bottleneck"]
+        place = {key: results.pooled("trap", "rrt")["tree"][f"bottleneck.{key}"] for key in ("at", "length")}
         marks = [line for line in axes[0].get_lines() if line.get_marker() == "^" and line.get_ydata()[0] == 0]
         self.assertAlmostEqual(marks[0].get_xdata()[0], 100 * place["at"] / place["length"])
         self.assertIn(f"thinnest at {place['at']:.3g} m"[:16], axes[0].texts[0].get_text())
@@ -412,7 +417,12 @@ class WorldsAlone(unittest.TestCase):
         # One run, as of a session: without summary, comparisons, baseline and seeds.
         content = content_of("scored")
         least = {key: content[key] for key in ("trellis", "worlds", "robots", "scenes", "samples")}
-        least["runs"] = [run for run in content["runs"] if run["strategy"] == "both" and run["problem"] == "trap"][:1]
+        chosen = next(i for i, run in enumerate(content["runs"])
+                      if run["strategy"] == "both" and run["problem"] == "trap")
+        least["runs"] = [content["runs"][chosen]]
+        for name in ("levels", "measure"):
+            its = [{**row, "run": 0} for row in rows(content[name]) if row["run"] == chosen]
+            least[name] = {"rows": len(its), **{key: [row[key] for row in its] for key in its[0]}}
         least["experiment"] = {"problems": content["experiment"]["problems"][:1], "strategies": [
             {key: one[key] for key in ("name", "text", "guided")} for one in content["experiment"]["strategies"]
             if one["name"] == "both"]}
@@ -500,7 +510,7 @@ class Command(unittest.TestCase):
         self.assertEqual(text[text.index("<svg"):], figures.svg(figures.costs(figures.read(parts, baseline="rrt"))))
 
     def test_faults_are_one_line(self):
-        written({"trellis": {"format": 4}, "experiment": {}}, "empty.json")
+        written({"trellis": {"format": 5}, "experiment": {}}, "empty.json")
         written([1, 2], "list.json")
         pathlib.Path(PLACE.name, "text.json").write_text("no JSON", encoding="utf-8")
         pathlib.Path(PLACE.name, "a file").write_text("", encoding="utf-8")

@@ -251,7 +251,7 @@ constexpr draw::Ink256 robot_ink = {.colour = 36, .rank = 4};
 constexpr draw::Ink256 end_ink = {.colour = 15, .rank = 5};
 
 std::string ending_of(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
+  std::string ending = std::filesystem::path(path).extension().string();
   if (ending == ".svg" || ending == ".png" || ending == ".pdf") return ending;
   throw Error(fmt::format("plot: a picture's name ends with .svg, .png or .pdf, got '{}'", path));
 }

@@ -174,7 +174,7 @@ class Results:
                 return part.levels(run)
         if self._levels is None:
             self._levels = {}
-            for row in rows(self.document["levels"]):
+            for row in rows(self.document.get("levels") or {"rows": 0}):
                 self._levels.setdefault(row["run"], []).append(row)
         return self._levels.get(self._number(run), [])
 

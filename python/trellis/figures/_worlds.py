@@ -436,7 +436,7 @@ def levels_of_world(document: Document, *, problem: Optional[str] = None, strate
 def _draw_whole_level(one: Any, view: View, scene: Scene, results: Results, run: Run, levels: Sequence[Level],
                       number: int, robot: bool) -> None:
     """A level with its path and its heading, and the robot along it or not."""
-    level, entry = levels[number], results.levels(run)[number]
+    level, stored = levels[number], results.levels(run)
     colour = _level_colour(results, run["strategy"], number)
     path = path_of(run)
     view.begin(one, _bodies(scene, path, colour) if robot else [])
@@ -445,8 +445,10 @@ def _draw_whole_level(one: Any, view: View, scene: Scene, results: Results, run:
         _draw_path(one, view, scene, level.path, level)
     _draw_ends(one, view, scene, path)
     title = level.planner if number == 0 else _style.short_guide(level.name)
-    searches = f", {entry['solves']} searches" if entry["solves"] > 1 else ""
-    line = f"{_spelled(level.space_name)}: {_checks(entry)}{searches}"
+    line = _spelled(level.space_name)
+    if number < len(stored):
+        solves = stored[number]["solves"]
+        line += f": {_checks(stored[number])}" + (f", {solves} searches" if solves > 1 else "")
     if not level.traces:
         line += ", no position to draw"
     guided = any(other.parent == number for other in levels)
