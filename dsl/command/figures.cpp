@@ -55,6 +55,7 @@ Ended run_program(const std::vector<std::string>& words, const std::string& path
   ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), flags, mode);
   std::vector<std::string> own = words;
   std::vector<char*> arguments;
+  arguments.reserve(own.size() + 1);
   for (std::string& word : own) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   std::vector<std::string> variables;
@@ -70,6 +71,7 @@ Ended run_program(const std::vector<std::string>& words, const std::string& path
   }
   if (paths.size() > key.size()) variables.push_back(paths);
   std::vector<char*> environment;
+  environment.reserve(variables.size() + 1);
   for (std::string& variable : variables) environment.push_back(variable.data());
   environment.push_back(nullptr);
   pid_t child = 0;
@@ -128,7 +130,7 @@ std::string write_results(const Experiment& experiment, const ExperimentResult& 
   facts.scenery = scenery_of(experiment);
   facts.samples = "samples";
   write_packed_samples(experiment, result, (fs::path(folder) / facts.samples).string());
-  const std::string document = (fs::path(folder) / "results.json").string();
+  std::string document = (fs::path(folder) / "results.json").string();
   write_file(document, report_json(facts, summarise(facts)), Flush::none);
   return document;
 }
