@@ -80,8 +80,8 @@ std::vector<std::string> other_examples(bool second) {
     if (name.ends_with(".lua") && !name.ends_with("_test.lua")) names.push_back(name);
   }
   // scripts/pays runs pays.lua, for a quarter of an hour; the tests of the command line run it in part.
-  for (const auto* elsewhere :
-       {"nested.lua", "guiding_space.lua", "paper.lua", "parasol.lua", "kinodynamic.lua", "controls.lua", "pays.lua"}) {
+  for (const auto* elsewhere : {"nested.lua", "guiding_space.lua", "paper.lua", "parasol.lua", "kinodynamic.lua",
+                                "controls.lua", "pays.lua", "warehouse.lua"}) {
     REQUIRE(std::erase(names, elsewhere) == 1);
   }
   std::sort(names.begin(), names.end());
@@ -292,6 +292,10 @@ SCENARIO("the other examples run to their end: the second half", "[examples][slo
   for (const std::string& name : other_examples(true)) {
     GIVEN(name) { require_end(name); }
   }
+}
+
+SCENARIO("the warehouse runs to its end", "[examples][slow]") {
+  GIVEN("warehouse.lua") { require_end("warehouse.lua"); }
 }
 
 SCENARIO("the longer scripts of the study of nats declare their experiments", "[examples]") {
