@@ -98,7 +98,7 @@ std::string ColumnWriter::text(const std::string& indent) const {
     const std::string values = column.text();
     // A member of an object that no row has.
     if (values == "null" && column.name.find('.') != std::string::npos) continue;
-    out += ",\n" + indent + dump(column.name) + ": " + values;
+    out += fmt::format(",\n{}{}: {}", indent, dump(column.name), values);
   }
   return out + "\n" + indent.substr(0, indent.size() - 1) + "}";
 }

@@ -40,7 +40,7 @@ class ColumnWriter {
     void append(const std::string& entry);
     void append(const Json& value);
     /// Adds nulls until the column has so many rows.
-    void extend(std::size_t rows);
+    void extend(std::size_t to);
     std::size_t number_of(const std::string& text);
     [[nodiscard]] std::string text() const;
   };

@@ -19,7 +19,6 @@ namespace {
 
 using json::dump;
 using json::Json;
-using json::lines;
 
 Json cost_json(const CensoredCost& cost) {
   const bool whole = cost.spent == std::floor(cost.spent);
