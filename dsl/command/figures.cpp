@@ -28,6 +28,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A folder of its own in the system's temporary one, removed with this object.
+class TemporaryFolder {
+ public:
+  /// \throws Error where none can be made.
+  TemporaryFolder() {
+    std::error_code fault;
+    path_ = (fs::temp_directory_path(fault) / "trellis-XXXXXX").string();
+    if (fault || ::mkdtemp(path_.data()) == nullptr) {
+      throw Error(fmt::format("no temporary folder '{}' can be made: {}", path_,
+                              fault ? fault.message() : std::generic_category().message(errno)));
+    }
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 /// What a process printed, and how it ended.
 struct Ended {
   int status = 0;  ///< of its exit; negative: it was not started, or a signal ended it
@@ -111,16 +136,27 @@ std::string interpreter() {
 }
 
 /// Runs the package with these arguments, and returns what it printed.
-std::string run_package(const std::vector<std::string>& arguments) {
-  if (const std::string missing = missing_for_figures(); !missing.empty()) throw Error(missing);
-  std::vector<std::string> words = {interpreter(), "-m", "trellis.figures"};
+/// \param own  a document that the user has not named, so that no message names it; "": none
+std::string run_package(const std::vector<std::string>& arguments, const std::string& own = "") {
+  const std::string modules = package();
+  if (modules.empty()) {
+    throw Error("figures: the Python package 'trellis' is not beside this program: build or install all of Trellis");
+  }
+  const std::string python = interpreter();
+  if (python.empty()) {
+    throw Error(
+        "figures are drawn by Python 3 with matplotlib and pandas: install python3-matplotlib and python3-pandas "
+        "(Debian), or set TRELLIS_PYTHON to a Python that has them");
+  }
+  std::vector<std::string> words = {python, "-m", "trellis.figures"};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  const Ended ended = run_program(words, package());
+  const Ended ended = run_program(words, modules);
   if (ended.status == 0) return ended.output;
   // Of a fault of Python the last line says what it was.
   std::string text = ended.errors;
   while (text.ends_with('\n')) text.pop_back();
   if (ended.status != 1 || text.starts_with("Traceback")) text = text.substr(text.rfind('\n') + 1);
+  if (!own.empty() && text.starts_with(own)) text.replace(0, own.size(), "figures");
   throw Error(text.empty() ? "figures: Python was ended before they were drawn" : text);
 }
 
@@ -137,30 +173,6 @@ std::string write_results(const Experiment& experiment, const ExperimentResult& 
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::error_code fault;
-  std::string name = (fs::temp_directory_path(fault) / "trellis-XXXXXX").string();
-  if (fault || ::mkdtemp(name.data()) == nullptr) {
-    throw Error(fmt::format("no temporary folder '{}' can be made: {}", name,
-                            fault ? fault.message() : std::generic_category().message(errno)));
-  }
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-std::string missing_for_figures() {
-  if (package().empty()) {
-    return "figures: the Python package 'trellis' is not beside this program: build or install all of Trellis";
-  }
-  if (!interpreter().empty()) return "";
-  return "figures are drawn by Python 3 with matplotlib and pandas: install python3-matplotlib and python3-pandas "
-         "(Debian), or set TRELLIS_PYTHON to a Python that has them";
-}
-
 std::string draw_figures(const std::vector<std::string>& documents, const std::string& folder,
                          const std::string& figure, const std::string& baseline, bool by_name) {
   std::vector<std::string> arguments = documents;
@@ -173,19 +185,20 @@ std::string draw_figures(const std::vector<std::string>& documents, const std::s
 
 void draw_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder) {
   const TemporaryFolder place;
-  static_cast<void>(draw_figures({write_results(experiment, result, place.path())}, folder));
+  const std::string document = write_results(experiment, result, place.path());
+  static_cast<void>(run_package({document, "--out", folder}, document));
 }
 
 std::string picture_of(const Experiment& experiment, const ExperimentResult& result, std::size_t level,
                        const std::string& ending, const PlotView& view) {
   const TemporaryFolder place;
   const std::string picture = (fs::path(place.path()) / ("picture" + ending)).string();
-  std::vector<std::string> arguments = {write_results(experiment, result, place.path()), "--figure", "world", "--file",
-                                        picture};
+  const std::string document = write_results(experiment, result, place.path());
+  std::vector<std::string> arguments = {document, "--figure", "world", "--file", picture};
   if (!result.runs.empty()) arguments.insert(arguments.end(), {"--level", std::to_string(level)});
   if (view.azimuth) arguments.insert(arguments.end(), {"--azimuth", fmt::format("{}", *view.azimuth)});
   if (view.elevation) arguments.insert(arguments.end(), {"--elevation", fmt::format("{}", *view.elevation)});
-  static_cast<void>(run_package(arguments));
+  static_cast<void>(run_package(arguments, document));
   return text_of(picture);
 }
 

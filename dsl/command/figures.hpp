@@ -11,29 +11,11 @@
 
 namespace trellis::command {
 
-/// A folder of its own in the system's temporary one, removed with this object.
-class TemporaryFolder {
- public:
-  /// \throws Error where none can be made.
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 /// The direction from which a problem in space is seen, in degrees; none: the default of its world.
 struct PlotView {
   std::optional<double> azimuth;
   std::optional<double> elevation;
 };
-
-/// Returns what keeps figures from being drawn, with the package to install; "" if nothing does.
-std::string missing_for_figures();
 
 /// Draws figures of documents into a folder: `python3 -m trellis.figures DOCUMENT... --out FOLDER`.
 /// \param figure  a name; "": all that the documents have data for
