@@ -30,7 +30,6 @@ inline constexpr Colour black = rgb(0x000000);
 inline constexpr Colour orange = rgb(0xE69F00);
 inline constexpr Colour sky = rgb(0x56B4E9);
 inline constexpr Colour green = rgb(0x009E73);
-inline constexpr Colour yellow = rgb(0xF0E442);
 inline constexpr Colour blue = rgb(0x0072B2);
 inline constexpr Colour vermillion = rgb(0xD55E00);
 inline constexpr Colour purple = rgb(0xCC79A7);

@@ -217,8 +217,9 @@ std::string strategy_colour(const CostData& data, const std::string& strategy) {
   if (strategy == data.baseline) return "var(--muted)";
   std::size_t place = 0;
   for (const CostData::Strategy& one : data.strategies) {
-    if (one.name == strategy)
-      return place % draw::palette::series.size() == 6 ? "var(--ink)" : hex(draw::palette::nth(place));
+    // Black would not be seen on the page's dark ground.
+    const draw::Colour colour = draw::palette::nth(place);
+    if (one.name == strategy) return colour == draw::palette::black ? "var(--ink)" : hex(colour);
     if (one.name != data.baseline) ++place;
   }
   return "var(--muted)";
@@ -782,9 +783,9 @@ std::string costs_scripts(const HtmlContent& content) {
       for (const CostData::Run& run : data.runs) {
         if (run.problem != p || run.strategy != s) continue;
         // Four digits: a pixel is more.
-        const double ms =
-            std::isnan(run.first_seconds) ? 0.0 : std::stod(fmt::format("{:.4g}", 1e3 * run.first_seconds));
-        runs.push_back({run.checks - run.improvement_checks, ms, run.solved, std::to_string(run.seed)});
+        Json ms;
+        if (!std::isnan(run.first_seconds)) ms = std::stod(fmt::format("{:.4g}", 1e3 * run.first_seconds));
+        runs.push_back({run.checks - run.improvement_checks, std::move(ms), run.solved, std::to_string(run.seed)});
       }
       if (runs.empty()) continue;
       const std::string& name = data.strategies[s].name;

@@ -104,8 +104,14 @@ function success(strategies, cost, label, width) {
   return picture;
 }
 
-/// Draws both charts of a problem into `to`. \param strategies  {name, colour, runs: [checks, ms, solved, seed]}
-function costs(to, strategies, cost, width) {
+/// Draws both charts of a problem into `to`. \param all  strategies: {name, colour, runs: [checks, ms or null, solved, seed]}
+function costs(to, all, cost, width) {
+  // A document may lack the times of its runs.
+  const strategies = all.map(s => ({ ...s, runs: s.runs.filter(r => r[cost] !== null) })).filter(s => s.runs.length);
+  if (!strategies.length) {
+    to.replaceChildren('The document has no times.');
+    return;
+  }
   const label = cost === 0 ? 'validity checks, all levels' : 'CPU time, ms';
   const key = document.createElement('p');
   key.className = 'key';
