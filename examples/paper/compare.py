@@ -14,6 +14,10 @@ import math
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+
+from trellis.columns import rows  # noqa: E402
+
 SOURCE = "Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning, table 1"
 
 # Sampling efficiencies of the root in nats, by problem and strategy: of the tree, and of the expansion if there is one.
@@ -76,19 +80,6 @@ def head_of(cells):
     return row_of(cells) + "\n|" + "---|" * len(cells)
 
 
-def rows_of(table):
-    """Returns the rows of a table of a document (docs/formats.md), without lists but those of texts with numbers."""
-    columns = {}
-    for name, values in table.items():
-        if isinstance(values, dict) and "at" in values:
-            values = [values["texts"][at] if isinstance(at, int) else None for at in values["at"]]
-        elif isinstance(values, dict):
-            texts, pairs = values["texts"], values["pairs"]
-            values = [{texts[row[i]]: row[i + 1] for i in range(0, len(row), 2)} for row in pairs]
-        columns[name] = values if isinstance(values, list) else [values] * table["rows"]
-    return [{name: values[row] for name, values in columns.items()} for row in range(table["rows"])]
-
-
 def ranks(values):
     """Returns the rank of each value, the mean rank of equal ones."""
     return [sum(v < x for v in values) + 0.5 * (sum(v == x for v in values) - 1) for x in values]
@@ -134,20 +125,20 @@ class Results:
         self.problems = [problem["name"] for problem in experiment["problems"]]
         self.strategies = [strategy["name"] for strategy in experiment["strategies"]]
         with open(folder / "table.csv", encoding="utf-8") as file:
-            rows = [row for row in csv.DictReader(file) if row["quantity"] == "SE"]
-        self.paths = list(dict.fromkeys(row["path"] for row in rows))
-        self.estimators = list(dict.fromkeys(row["estimator"] for row in rows))
+            cells = [row for row in csv.DictReader(file) if row["quantity"] == "SE"]
+        self.paths = list(dict.fromkeys(row["path"] for row in cells))
+        self.estimators = list(dict.fromkeys(row["estimator"] for row in cells))
         self.shown = {
             (row["problem"], row["strategy"], row["role"], row["path"]):
                 (number(row["value"]), number(row["lo"]), number(row["hi"]))
-            for row in rows if row["estimator"] == HEADLINE}
+            for row in cells if row["estimator"] == HEADLINE}
         self.runs = {}
         for place, run in enumerate(document["runs"]):
             self.runs.setdefault((run["problem"], run["strategy"]), []).append(place)
         self.pooled = {(row["problem"], row["strategy"], row["role"]): row
-                       for row in rows_of(document["pooled"]) if row["key"] == "0"}
+                       for row in rows(document["pooled"]) if row["key"] == "0"}
         self.measure = {(row["run"], row["role"], row["path"]): row
-                        for row in rows_of(document["measure"]) if row["level"] == 0}
+                        for row in rows(document["measure"]) if row["level"] == 0}
 
     @staticmethod
     def estimate(measured, estimator):

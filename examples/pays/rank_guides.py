@@ -10,9 +10,14 @@ bootstrap interval, the worst world, and how many worlds are above -0.45. docs/m
 
 import json
 import math
+import pathlib
 import random
 import statistics
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+
+from trellis.columns import rows  # noqa: E402
 
 ABOVE = -0.45
 RESAMPLES = 10000
@@ -48,31 +53,24 @@ def interval(values):
     return means[int(0.025 * RESAMPLES)], means[int(0.975 * RESAMPLES) - 1]
 
 
-def rows_of(table):
-    """The rows of a table of a document (docs/formats.md), without lists."""
-    columns = {}
-    for name, values in table.items():
-        if isinstance(values, dict) and "at" in values:
-            values = [values["texts"][at] if isinstance(at, int) else None for at in values["at"]]
-        elif isinstance(values, dict):
-            continue
-        columns[name] = values if isinstance(values, list) else [values] * table["rows"]
-    return [{name: values[row] for name, values in columns.items()} for row in range(table["rows"])]
-
-
 def read(path):
     """The document, whose runs have the proposals and the measured sets of the robot's own level."""
     with open(path, encoding="utf-8") as file:
         document = json.load(file)
+    if "levels" not in document:
+        version = document.get("trellis", {}).get("format", 1)
+        sys.exit(f"{path}: the document has format {version}; its runs have to be made again with this version")
+    if document["experiment"]["baseline"] is None:
+        sys.exit(f"{path}: the experiment has no `baseline`, which the costs are divided by")
     for run in document["runs"]:
         run["measure"] = {}
-    for row in rows_of(document["levels"]):
+    for row in rows(document["levels"]):
         if row["level"] == 0:
             document["runs"][row["run"]]["proposals"] = row["proposals"]
-    for row in rows_of(document["measure"]):
+    for row in rows(document["measure"]):
         if row["level"] == 0:
             document["runs"][row["run"]]["measure"][row["role"], row["path"]] = row
-    document["pooled"] = rows_of(document["pooled"])
+    document["pooled"] = rows(document["pooled"])
     return document
 
 

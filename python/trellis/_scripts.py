@@ -11,7 +11,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _trellis
-from ._columns import rows
+from .columns import rows
 from ._trellis import Error, Problem, Script, Strategy
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ except ImportError:
     sys.exit(77)
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
-from trellis import _columns  # noqa: E402
+from trellis import columns  # noqa: E402
 
 TRELLIS = os.environ["TRELLIS"]
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -74,7 +74,7 @@ class Schema(unittest.TestCase):
 
     def test_tables_have_a_row_for_each_level_and_set(self):
         document = run(PLANE)[1]
-        levels, measure = (_columns.rows(document[name]) for name in ("levels", "measure"))
+        levels, measure = (columns.rows(document[name]) for name in ("levels", "measure"))
         self.assertEqual([(row["run"], row["level"]) for row in levels], [(0, 0), (1, 0), (2, 0)] + [
             (run, level) for run in (3, 4, 5) for level in (0, 1, 2)])
         self.assertEqual({row["name"] for row in levels}, {"root", "shrink(0.5)", "skeleton()"})
@@ -83,7 +83,7 @@ class Schema(unittest.TestCase):
         sets = {(row["run"], row["level"], row["space"], row["path"], row["role"]) for row in measure}
         self.assertEqual(len(sets), len(measure))
         self.assertIn((3, 2, "root", "self", "tree"), sets)
-        setups = _columns.rows(document["setups"])
+        setups = columns.rows(document["setups"])
         self.assertEqual([row["strategy"] for row in setups], ["nested"])
         self.assertGreater(setups[0]["shared_set_up_s"], 0)
         # Whichever run computed it, each reports what it took.
@@ -97,7 +97,7 @@ class Schema(unittest.TestCase):
             self.assertEqual([(r["problem"], r["strategy"], int(r["seed"])) for r in index["runs"]],
                              [(r["problem"], r["strategy"], r["seed"]) for r in document["runs"]])
             self.assertEqual(index["robots"][:len(document["robots"])], document["robots"])
-            table = _columns.rows(document["levels"])
+            table = columns.rows(document["levels"])
             for entry, of in zip(index["runs"], document["runs"]):
                 levels = json.loads(pathlib.Path(folder, entry["file"]).read_text())["levels"]
                 rows = [row for row in table if row["run"] == document["runs"].index(of)]

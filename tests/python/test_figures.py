@@ -170,7 +170,7 @@ class Documents(unittest.TestCase):
             source = pathlib.Path(figures.__file__).parent
             place = pathlib.Path(folder, "trellis")
             shutil.copytree(source, place / "figures", ignore=shutil.ignore_patterns("__pycache__"))
-            for module in ("__init__.py", "_columns.py"):
+            for module in ("__init__.py", "columns.py"):
                 shutil.copy(source.parent / module, place)
             code = "import trellis, sys\nfrom trellis import figures\nassert trellis.figures is figures\n" \
                    f"assert figures.costs({DOCUMENTS['one']!r}) is not None\n" \

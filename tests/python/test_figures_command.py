@@ -24,7 +24,7 @@ import matplotlib
 import numpy as np
 
 from trellis import figures
-from trellis._columns import rows
+from trellis.columns import rows
 from trellis.figures import __main__ as main
 from trellis.figures import _compare, _paths, _scenes, _statistics
 

@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from .._columns import rows
+from ..columns import rows
 
 FORMAT = 5
 

@@ -7,7 +7,7 @@ import io
 import math
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
-from .._columns import rows
+from ..columns import rows
 from . import _style
 from ._compare import AGAINST, compared
 from ._costs import title, verdict_text, verdicts
