@@ -68,6 +68,18 @@ class Level {
   Advance end();
   /// Ends a solve that SearchEnded has left.
   void leave();
+
+  // Of a root whose planner is elsewhere (Sampler), which takes the place of `step`:
+  /// \param planner  stands for it: it neither extends nor follows
+  void plan_elsewhere(std::unique_ptr<Planner> planner) { planner_ = std::move(planner); }
+  /// Searches the levels below where h needs it before the next proposal.
+  /// \return the status if a limit ends the solve then
+  [[nodiscard]] std::optional<Status> search_below();
+  /// Draws a proposal from h, and records it.
+  [[nodiscard]] View draw(const Plan& plan);
+  /// What the planner has made.
+  [[nodiscard]] Search& search() { return record_.search; }
+
   /// Makes a planner for nothing.
   /// \throws Error if its options do not suit the instance, as `advance` does
   void try_planner() { static_cast<void>(make_planner()); }
@@ -123,11 +135,6 @@ class Level {
   /// A step: a proposal that h draws and the planner extends towards, or work without one.
   /// \return the status if the solve ends
   [[nodiscard]] std::optional<Status> step();
-  /// Searches the levels below where h needs it before the next proposal.
-  /// \return the status if a limit ends the solve then
-  [[nodiscard]] std::optional<Status> search_below();
-  /// Draws a proposal from h, and records it.
-  [[nodiscard]] View draw(const Plan& plan);
   /// The part that the present step searches.
   [[nodiscard]] DividingPlanner::Part part() {
     return ended_ || divides_ == nullptr ? DividingPlanner::Part{} : divides_->part();
