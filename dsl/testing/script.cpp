@@ -45,6 +45,12 @@ Problem Script::problem(const std::string& name) const {
                           did_you_mean(name, known), fmt::join(known, ", ")));
 }
 
+std::vector<std::string> Script::problems() const {
+  std::vector<std::string> names;
+  for (const Problem& problem : state_->experiment.problems) names.push_back(problem.name);
+  return names;
+}
+
 Trial Script::trial(const std::string& strategy, std::vector<std::uint64_t> seeds, const std::string& problem) const {
   auto key = std::tuple(strategy, problem, seeds);
   if (const auto found = state_->trials.find(key); found != state_->trials.end()) return found->second;

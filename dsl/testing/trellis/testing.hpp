@@ -52,6 +52,8 @@ class Script {
   /// \param name  "": the only problem
   /// \throws Error for an unknown name, and for "" where there are several problems
   [[nodiscard]] Problem problem(const std::string& name = "") const;
+  /// The names of the problems of the experiment, in its order.
+  [[nodiscard]] std::vector<std::string> problems() const;
   /// Returns the trial of a strategy on a problem. A repeated call returns the same trial, whose runs execute once:
   /// Catch2 runs a test case from its beginning for each of its sections. The runs are executed when a check first
   /// needs them, on all cores. \param seeds  each at most once \param problem  "": the only problem \throws Error for

@@ -22,6 +22,8 @@ Bounded::Bounded(double bound, std::uint64_t slice) : bound_(bound), slice_(slic
 Who Bounded::next() const {
   if (ended_[place(Who::alone)]) return Who::guided;
   if (ended_[place(Who::guided)]) return Who::alone;
+  // It begins, so that random numbers which both share in order are those that it has without the other.
+  if (checks_[place(Who::alone)] == 0) return Who::alone;
   const double allowed = (bound_ - 1.0) * static_cast<double>(checks_[place(Who::alone)]);
   const auto guided = static_cast<double>(checks_[place(Who::guided)]);
   return guided <= allowed + static_cast<double>(slice_) ? Who::guided : Who::alone;

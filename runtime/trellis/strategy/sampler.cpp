@@ -117,7 +117,7 @@ class Sampler::Asked {
     if (goals_ == no_node) {
       bidirectional_ = true;
       goals_ = count();
-      for (const Configuration& q : goals) add(q, no_node);
+      for (const Configuration& q : goals) add_root(q);
     }
     return goals_ + static_cast<std::uint32_t>(goal);
   }
@@ -130,6 +130,12 @@ class Sampler::Asked {
     return found != rows_.end() ? number(found->second) : no_node;
   }
   [[nodiscard]] std::size_t nodes() const { return std::max<std::size_t>(1, count()); }
+  [[nodiscard]] Configuration configuration(std::uint32_t node) {
+    begin();
+    check_node(node);
+    const View q = std::as_const(search().nodes)[row(node)];
+    return {q.begin(), q.end()};
+  }
 
   std::uint32_t accepted(std::uint64_t id, View q, std::uint32_t parent, bool reached, bool connected, Side side) {
     begin();
@@ -325,13 +331,17 @@ class Sampler::Asked {
     h().restart();
     add_start();
   }
-  void add_start() { add(level_->instance().start, no_node); }
-
-  /// Adds a node, and returns its row. A root of a tree is its own parent.
+  void add_start() { add_root(level_->instance().start); }
+  /// A root of a tree is its own parent.
+  void add_root(View q) {
+    const std::uint32_t at = add(q, no_node);
+    if (is_tree()) search().parents.back() = at;
+  }
+  /// Adds a node, and returns its row.
   std::uint32_t add(View q, std::uint32_t parent) {
     const auto at = static_cast<std::uint32_t>(search().nodes.size());
     search().nodes.push(q);
-    search().parents.push_back(parent != no_node ? row(parent) : is_tree() ? at : no_node);
+    search().parents.push_back(parent != no_node ? row(parent) : no_node);
     rows_.emplace(key(q), at);
     return at;
   }
@@ -353,7 +363,10 @@ class Sampler::Asked {
   [[nodiscard]] bool of_goal(std::uint32_t row) const {
     if (row == no_node || goals_ == no_node || !is_tree()) return false;
     const auto& parents = search().parents;
-    while (parents[row] != row) row = parents[row];
+    while (parents[row] != row) {
+      row = parents[row];
+      if (row == no_node) return false;
+    }
     return number(row) >= goals_;
   }
   /// A planner with one tree selects none.
@@ -459,6 +472,7 @@ Configurations Sampler::draw_many(std::size_t n, Side side) { return asked_->dra
 std::uint32_t Sampler::root(Side side, std::size_t goal) { return asked_->root(side, goal); }
 std::uint32_t Sampler::node(View q) const { return asked_->node(q); }
 std::size_t Sampler::nodes() const { return asked_->nodes(); }
+Configuration Sampler::configuration(std::uint32_t node) { return asked_->configuration(node); }
 std::uint32_t Sampler::accepted(std::uint64_t id, View q, std::uint32_t parent, bool reached, bool connected,
                                 Side side) {
   return asked_->accepted(id, q, parent, reached, connected, side);

@@ -32,7 +32,9 @@ struct Draw {
 
 /// What a sampler assumes of its planner.
 struct SamplerOptions {
-  double step = 0.5;       ///< longest extension of the planner's tree, metres in the metric; 0: it is a roadmap
+  /// Longest extension of the planner's tree, metres in the metric: guides follow paths in such steps. 0: none, as of
+  /// Trellis' own roadmaps, whose draws are denser.
+  double step = 0.5;
   double uniform = 0.05;   ///< share of uniform draws, in [0, 1]
   double goal_bias = 0.0;  ///< share of draws that are a goal, in [0, 1), for a planner that draws none itself
   /// Work, in validity checks and proposals, that the searches below may spend before a draw; while they are not done,
@@ -100,6 +102,10 @@ class Sampler {
   /// The number of the node with exactly these coordinates; no_node: there is none.
   [[nodiscard]] std::uint32_t node(View q) const;
   [[nodiscard]] std::size_t nodes() const;  ///< the number of nodes
+  /// The coordinates of a node.
+  /// \param node  its number
+  /// \throws Error for an unknown node
+  [[nodiscard]] Configuration configuration(std::uint32_t node);
 
   /// Answers that a node was added.
   /// \param id  of the last draw; 0: the planner tried this motion without a draw
@@ -162,7 +168,8 @@ class Sampler {
 enum class Who : std::uint8_t { alone, guided };
 
 /// Bounded loss for planners elsewhere: a planner alone and one with a guide, each in a thread of its own, of which one
-/// runs at a time. They pause where they call `spent`, within a draw or a validity check, so neither notices.
+/// runs at a time. They pause where they call `spent`, within a draw or a validity check, so neither notices. The one
+/// alone begins.
 ///
 /// Theorem. Let U be the checks of the planner alone until it has a path, where it is deterministic. Both together
 /// spend at most bound U + slice + w checks, where w is the largest number that one call of `spent` announces. Proof:
