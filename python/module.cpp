@@ -57,6 +57,7 @@ using trellis::Configuration;
 using trellis::Configurations;
 using trellis::Error;
 using trellis::Experiment;
+using trellis::GuideSpec;
 using trellis::Instance;
 using trellis::Interrupted;
 using trellis::Problem;
@@ -175,18 +176,33 @@ std::shared_ptr<Script> load_text(const std::string& text, const std::string& fo
   return script;
 }
 
-StrategySpec strategy(const std::string& text, const std::string& folder) {
-  std::optional<StrategySpec> made;
+/// The value of an expression.
+/// \param as  returns it, or none for a value of another kind
+/// \param expected  what it is, for messages
+template <class As>
+auto value_of(const std::string& text, const std::string& folder, const char* kind, const char* expected, const As& as) {
+  decltype(as(std::declval<trellis::lua::Value>())) made;
   interruptibly([&] {
     dsl::Session session(folder, session_options(false, 1));
-    session.run("return " + text, "strategy", [&](trellis::lua::Stack& stack) {
-      if (stack.size() == 1) made = dsl::as_strategy(stack[1]);
+    session.run("return " + text, kind, [&](trellis::lua::Stack& stack) {
+      if (stack.size() == 1) made = as(stack[1]);
       if (made) return;
-      throw Error("this is no strategy, as guide >> planner, or a planner: it is " +
+      throw Error(std::string("this is no ") + kind + ", " + expected + ": it is " +
                   (stack.size() == 0 ? "nothing" : dsl::describe(stack[1])));
     });
   });
   return *made;
+}
+
+StrategySpec strategy(const std::string& text, const std::string& folder) {
+  return value_of(text, folder, "strategy", "as guide >> planner, or a planner", dsl::as_strategy);
+}
+
+GuideSpec guide(const std::string& text, const std::string& folder) {
+  return value_of(text, folder, "guide", "as skeleton() >> lazy()", [](trellis::lua::Value value) {
+    const auto* found = value.get<GuideSpec>();
+    return found != nullptr ? std::optional(*found) : std::nullopt;
+  });
 }
 
 std::vector<Problem> problems(const std::string& text, const std::string& folder) {
@@ -514,6 +530,13 @@ PYBIND11_MODULE(_trellis, m) {
           "__eq__", [](const StrategySpec& a, const StrategySpec& b) { return a == b; }, py::is_operator())
       .def("__hash__", [](const StrategySpec& spec) { return std::hash<std::string>()(spec.text()); });
 
+  py::class_<GuideSpec>(m, "Guide", "A guide, or a hierarchy or combination of guides. Immutable.")
+      .def("__str__", &GuideSpec::text)
+      .def("__repr__", [](const GuideSpec& spec) { return "<trellis.Guide " + spec.text() + ">"; })
+      .def(
+          "__eq__", [](const GuideSpec& a, const GuideSpec& b) { return a == b; }, py::is_operator())
+      .def("__hash__", [](const GuideSpec& spec) { return std::hash<std::string>()(spec.text()); });
+
   py::class_<CheckedProblem, std::shared_ptr<CheckedProblem>>(m, "Problem", "A world, a robot, a start and goals.")
       .def_property_readonly("name", [](const CheckedProblem& p) { return p.problem().name; })
       .def_property_readonly("names", [](const CheckedProblem& p) { return of_axes(p, &trellis::Axis::name); })
@@ -544,6 +567,7 @@ PYBIND11_MODULE(_trellis, m) {
   m.def("load", &load, py::arg("path"), py::arg("trust"), py::arg("seed"));
   m.def("load_text", &load_text, py::arg("text"), py::arg("folder"), py::arg("trust"), py::arg("seed"));
   m.def("strategy", &strategy, py::arg("text"), py::arg("folder"));
+  m.def("guide", &guide, py::arg("text"), py::arg("folder"));
   m.def(
       "problems",
       [](const std::string& text, const std::string& folder) {

@@ -22,13 +22,14 @@ from typing import TYPE_CHECKING, Any, List
 if TYPE_CHECKING:
     from . import figures
     from ._recorder import Measurement, Recorder, measure
-    from ._scripts import Result, load, problem, problems, run, script, strategy
-    from ._trellis import Error, Problem, Script, Strategy, commit, version
+    from ._scripts import Result, guide, load, problem, problems, run, script, strategy
+    from ._trellis import Error, Guide, Problem, Script, Strategy, commit, version
 
     __version__: str
 
 __all__ = [
     "Error",
+    "Guide",
     "Measurement",
     "Problem",
     "Recorder",
@@ -36,6 +37,7 @@ __all__ = [
     "Script",
     "Strategy",
     "commit",
+    "guide",
     "load",
     "measure",
     "problem",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, 
 
 from . import _trellis
 from .columns import rows
-from ._trellis import Error, Problem, Script, Strategy
+from ._trellis import Error, Guide, Problem, Script, Strategy
 
 if TYPE_CHECKING:
     import pandas
@@ -52,6 +52,16 @@ def strategy(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> Stra
     Raises `trellis.Error` for unknown names, options out of range, and for anything that is no strategy.
     """
     return _trellis.strategy(text, os.fspath(folder))
+
+
+def guide(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> Guide:
+    """Returns the guide that an expression describes: `guide("skeleton() >> lazy()")`.
+
+    folder: where files that it names lie (default the current folder).
+
+    Raises `trellis.Error` for unknown names, options out of range, and for anything that is no guide.
+    """
+    return _trellis.guide(text, os.fspath(folder))
 
 
 def problems(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> List[Problem]:
