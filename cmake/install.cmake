@@ -63,7 +63,7 @@ install(FILES ${printed}/_trellis DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendo
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/trellis)
 install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
-# The public headers: <trellis/trellis.hpp>, <trellis/eigen.hpp>, <trellis/planner/own_planner.hpp>,
+# The public headers: <trellis/trellis.hpp>, <trellis/eigen.hpp>, <trellis/ompl.hpp>, <trellis/planner/own_planner.hpp>,
 # <trellis/program.hpp>, <trellis/testing.hpp>, and those that they include.
 install(DIRECTORY runtime/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtrellis-dev FILES_MATCHING
         PATTERN "*.hpp")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT-0
 // trellis._trellis: what the Python package calls. python/trellis/__init__.py is what users call, and documents it.
 #include <pybind11/functional.h>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -48,6 +49,8 @@
 #include <trellis/report/report.hpp>
 #include <trellis/results/directories.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
+
+#include "sampler.hpp"
 
 namespace py = pybind11;
 
@@ -180,7 +183,8 @@ std::shared_ptr<Script> load_text(const std::string& text, const std::string& fo
 /// \param as  returns it, or none for a value of another kind
 /// \param expected  what it is, for messages
 template <class As>
-auto value_of(const std::string& text, const std::string& folder, const char* kind, const char* expected, const As& as) {
+auto value_of(const std::string& text, const std::string& folder, const char* kind, const char* expected,
+              const As& as) {
   decltype(as(std::declval<trellis::lua::Value>())) made;
   interruptibly([&] {
     dsl::Session session(folder, session_options(false, 1));
@@ -245,6 +249,20 @@ class CheckedProblem {
   Problem problem_;
   std::shared_ptr<Instance> instance_;
 };
+
+/// Of one configuration a bool, of an array of N rows an array of N.
+py::object valid(CheckedProblem& problem, const py::object& q) {
+  if (!py::hasattr(q, "ndim") || q.attr("ndim").cast<int>() != 2)
+    return py::bool_(problem.valid(q.cast<Configuration>()));
+  using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  const auto rows = q.cast<Rows>();
+  py::array_t<bool> answers(rows.shape(0));
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    const double* row = rows.data(i, 0);
+    answers.mutable_at(i) = problem.valid(Configuration(row, row + rows.shape(1)));
+  }
+  return answers;
+}
 
 /// Returns one value of each coordinate of a problem's space.
 template <class T>
@@ -547,7 +565,7 @@ PYBIND11_MODULE(_trellis, m) {
       .def_property_readonly("rotations", &rotations_of)
       .def_property_readonly("start", [](const CheckedProblem& p) { return p.problem().start; })
       .def_property_readonly("goals", [](const CheckedProblem& p) { return p.problem().goals; })
-      .def("valid", &CheckedProblem::valid, py::arg("q"))
+      .def("valid", &valid, py::arg("q"))
       .def("fault", &CheckedProblem::fault, py::arg("q"))
       .def("joints", &joints)
       .def("ik", &ik, py::arg("link"), py::arg("position"), py::arg("rpy") = py::none(),
@@ -591,6 +609,14 @@ PYBIND11_MODULE(_trellis, m) {
       py::arg("script").none(true), py::arg("strategies"), py::arg("problems"), py::arg("seeds"), py::arg("baseline"),
       py::arg("measured"), py::arg("jobs"), py::arg("threads"), py::arg("ablation"), py::arg("cross"),
       py::arg("samples"), py::arg("progress"));
+  PythonSampler::add_to(m);
+  m.def("sampler", [](const GuideSpec& of, const CheckedProblem& problem, std::uint64_t seed, double step,
+                      double uniform, double goal_bias, double grant, bool optimistic) {
+    return std::make_unique<PythonSampler>(
+        of, problem.problem(), seed,
+        trellis::SamplerOptions{
+            .step = step, .uniform = uniform, .goal_bias = goal_bias, .grant = grant, .optimistic = optimistic});
+  });
   m.def("measure", &measure, py::arg("case"), py::arg("folder"), py::arg("samples"), py::arg("estimator"),
         py::arg("valid"));
 }

@@ -22,18 +22,21 @@ from typing import TYPE_CHECKING, Any, List
 if TYPE_CHECKING:
     from . import figures
     from ._recorder import Measurement, Recorder, measure
+    from ._sampler import Draw, Sampler
     from ._scripts import Result, guide, load, problem, problems, run, script, strategy
     from ._trellis import Error, Guide, Problem, Script, Strategy, commit, version
 
     __version__: str
 
 __all__ = [
+    "Draw",
     "Error",
     "Guide",
     "Measurement",
     "Problem",
     "Recorder",
     "Result",
+    "Sampler",
     "Script",
     "Strategy",
     "commit",
@@ -57,7 +60,7 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module(".figures", __name__)
     if name not in __all__ and name != "__version__":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    for part in ("_trellis", "_recorder", "_scripts"):
+    for part in ("_trellis", "_recorder", "_scripts", "_sampler"):
         module = importlib.import_module("." + part, __name__)
         globals().update({each: getattr(module, each) for each in __all__ if hasattr(module, each)})
     globals()["__version__"] = globals()["version"]()

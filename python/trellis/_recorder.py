@@ -6,10 +6,13 @@ import json
 import math
 import os
 from array import array
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _trellis
 from ._trellis import Error, Problem
+
+if TYPE_CHECKING:
+    from ._sampler import Sampler
 
 Interval = Tuple[float, float]
 Valid = Union[None, Problem, Callable[[Tuple[float, ...]], bool]]
@@ -238,8 +241,18 @@ class Recorder:
         self._samples = array("d")
 
     @classmethod
-    def of(cls, problem: Problem) -> "Recorder":
-        """Returns a recorder for the space of a problem, with its validity."""
+    def of(cls, problem: Union[Problem, "Sampler"], samples: str = "proposals") -> "Recorder":
+        """Returns a recorder for the space of a problem, with its validity; or for that of a sampler, with the samples
+        of its planner so far.
+
+        samples: of a sampler, "proposals" (default), all draws; or "nodes", those of the planner's tree or roadmap.
+        """
+        if not isinstance(problem, Problem):
+            if samples not in ("proposals", "nodes"):
+                raise Error(f"recorder: samples are \"proposals\" or \"nodes\", got {samples!r}")
+            recorder = cls.of(problem.problem)
+            recorder.add(problem.levels[0][samples])
+            return recorder
         wraps = [j for j, periodic in enumerate(problem.periodic) if periodic]
         return cls(
             problem.lo,

@@ -75,16 +75,18 @@ foreach(file share/trellis/stdlib/strategies.lua share/trellis/stdlib/meta/trell
              share/doc/trellis/reference.md share/doc/trellis/README.md share/doc/trellis/copyright
              share/man/man1/trellis.1 share/bash-completion/completions/trellis
              share/fish/vendor_completions.d/trellis.fish share/zsh/vendor-completions/_trellis
-             include/trellis/trellis.hpp include/trellis/testing.hpp include/trellis/eigen.hpp)
+             include/trellis/trellis.hpp include/trellis/testing.hpp include/trellis/eigen.hpp
+             include/trellis/ompl.hpp include/trellis/strategy/sampler.hpp)
   if(NOT EXISTS ${root}/${file})
     message(FATAL_ERROR "${file} is not installed")
   endif()
 endforeach()
 file(GLOB_RECURSE headers ${root}/include/*.hpp)
-# One header is for users of Eigen; no other includes it, so that Eigen stays optional. It does not count below.
-list(REMOVE_ITEM headers ${root}/include/trellis/eigen.hpp)
+# Two headers are for users of Eigen and of OMPL; no other includes them, so that both stay optional. They do not count
+# below.
+list(REMOVE_ITEM headers ${root}/include/trellis/eigen.hpp ${root}/include/trellis/ompl.hpp)
 foreach(header ${headers})
-  file(STRINGS ${header} included REGEX "#include <nlohmann|#include <(CGAL|fcl|lua|Eigen|trellis/eigen)")
+  file(STRINGS ${header} included REGEX "#include <nlohmann|#include <(CGAL|fcl|lua|Eigen|ompl|trellis/eigen|trellis/ompl)")
   if(included)
     message(FATAL_ERROR "${header} includes a third party's: ${included}")
   endif()

@@ -122,6 +122,6 @@ TEST_CASE("a space information of one's own asks a guide", "[ompl]") {
   const ob::PlannerTerminationCondition over([&] { return guide.draws() > 5000; });
   CHECK(planner.solve(over) == ob::PlannerStatus::EXACT_SOLUTION);
   CHECK(guide.checks() == own - before);
-  // Refusals have their place: the guide knows what is blocked.
+  // Refusals have their place: the guide learns what is blocked.
   CHECK(sampler.nodes() > 10);
 }

@@ -29,7 +29,7 @@ Problem block_problem() {
                             test::rectangle_robot(), {0.6, 2, 0}, {3.4, 2, 0});
 }
 
-/// Tells a sampler what a planner observes.
+/// Reports to a sampler what a planner observes.
 class Relay final : public Advice {
  public:
   Relay(Sampler& sampler, const Instance& instance) : sampler_(sampler), instance_(instance) {}
@@ -46,8 +46,8 @@ class Relay final : public Advice {
     const Side side = outcome.from_goal ? Side::goal : Side::start;
     if (known != numbers_.end()) return sampler_.joined(known->second, side);
     const std::uint32_t near = outcome.near_row == no_node ? no_node : numbers_.at(outcome.near_row);
-    map(outcome.added_row, sampler_.accepted(id, outcome.added, near, outcome.fate == Fate::reached, outcome.connected,
-                                             side));
+    map(outcome.added_row,
+        sampler_.accepted(id, outcome.added, near, outcome.fate == Fate::reached, outcome.connected, side));
   }
   void drew(std::uint32_t node) { node_ = node; }
 
@@ -62,12 +62,8 @@ class Relay final : public Advice {
     }
     return no_node;
   }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return sampler_.worth_connecting(from, to);
-  }
-  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override {
-    return sampler_.edge_factor(a, b);
-  }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override { return sampler_.worth_connecting(from, to); }
+  [[nodiscard]] std::optional<double> edge_factor(View a, View b) const override { return sampler_.edge_factor(a, b); }
   void found(double length) override { sampler_.path_found(length); }
 
  private:
@@ -197,7 +193,7 @@ SCENARIO("a planner elsewhere answers draws", "[strategy][sampler]") {
         CHECK_THROWS_WITH(sampler.accepted(1, q, 9, true), Contains("no node 9"));
         CHECK_THROWS_WITH(sampler.accepted(1, View{q}.first(2), 0, true), Contains("2 coordinates"));
         CHECK_THROWS_WITH(sampler.accepted(1, Configuration{NAN, 0, 0}, 0, true), Contains("not finite"));
-        CHECK_THROWS_WITH(sampler.rejected(0, q, {}, {}), Contains("no end"));
+        CHECK_THROWS_WITH(sampler.rejected(0, q, {}, {}), Contains("second end"));
         CHECK_THROWS_WITH(sampler.joined(4), Contains("no node 4"));
         sampler.rejected(1, problem.start, q, q);
         CHECK_THROWS_WITH(sampler.rejected(1, problem.start, q, q), Contains("draw 1 has an answer"));
@@ -234,8 +230,10 @@ SCENARIO("a planner elsewhere answers draws", "[strategy][sampler]") {
       int goals = 0;
       for (std::size_t i = 0; i < many.size(); ++i) {
         const double distance = problem.space.distance(many[i], problem.goal());
-        if (distance == 0.0) ++goals;
-        else nearest = std::min(nearest, distance);
+        if (distance == 0.0)
+          ++goals;
+        else
+          nearest = std::min(nearest, distance);
       }
       CHECK(nearest < 0.5);
       CHECK(goals > 5);
@@ -267,7 +265,7 @@ TEST_CASE("a sampler's grant pauses the searches below", "[strategy][sampler]") 
   CHECK(sampler.draw(q).guided);
 }
 
-TEST_CASE("a sampler knows the density of its next draw", "[strategy][sampler]") {
+TEST_CASE("a sampler returns the density of its next draw", "[strategy][sampler]") {
   const Problem problem = block_problem();
   Sampler guided(GuideSpec::make("skeleton", {}), problem, 2, {.uniform = 0.5});
   const auto at_start = guided.density(problem.start);
@@ -304,9 +302,9 @@ TEST_CASE("a sampler refuses what a run refuses", "[strategy][sampler]") {
 
 TEST_CASE("bounded loss holds for planners elsewhere", "[strategy][sampler]") {
   struct Case {
-    std::uint64_t alone;   // checks until it has a path; 0: none
+    std::uint64_t alone;  // checks until it has a path
     std::uint64_t guided;
-    std::uint64_t step;    // checks of one call
+    std::uint64_t step;  // checks of one call
   };
   for (const double bound : {1.5, 2.0, 4.0}) {
     for (const std::uint64_t slice : {1U, 64U, 1000U}) {

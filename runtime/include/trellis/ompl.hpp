@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Planners of OMPL 1.5 that draw from a guide, and problems of Trellis as problems of OMPL. No other header includes it:
-// a program that includes it finds OMPL itself. docs/sampler.md describes it.
+// Planners of OMPL 1.5 that draw from a guide, and problems of Trellis as problems of OMPL. No other header includes
+// it: a program that includes it finds OMPL itself. docs/sampler.md describes it.
 #pragma once
 
 #include <ompl/base/MotionValidator.h>
@@ -66,7 +66,7 @@ class OmplProblem {
   [[nodiscard]] std::uint64_t checks() const { return instance_->checks.validity; }
   [[nodiscard]] const Instance& instance() const { return *instance_; }
 
-  /// Motions at the resolution of a problem; knows the first invalid configuration of the last one.
+  /// Motions at the resolution of a problem; stores the first invalid configuration of the last one.
   class Motions final : public ompl::base::MotionValidator {
    public:
     Motions(ompl::base::SpaceInformation* information, Instance& instance)
@@ -79,7 +79,8 @@ class OmplProblem {
       if (!report.valid) instance_.space.interpolate(from, to, report.invalid_at, invalid_at_);
       return report.valid;
     }
-    bool checkMotion(const ompl::base::State* a, const ompl::base::State* b, std::pair<ompl::base::State*, double>& last) const override {
+    bool checkMotion(const ompl::base::State* a, const ompl::base::State* b,
+                     std::pair<ompl::base::State*, double>& last) const override {
       if (checkMotion(a, b)) return true;
       // It says no more than that a is valid.
       last.second = 0.0;
@@ -109,14 +110,17 @@ class OmplProblem {
     double distance(const ompl::base::State* a, const ompl::base::State* b) const override {
       return space_.distance(view(a), view(b));
     }
-    void interpolate(const ompl::base::State* a, const ompl::base::State* b, double t, ompl::base::State* out) const override {
+    void interpolate(const ompl::base::State* a, const ompl::base::State* b, double t,
+                     ompl::base::State* out) const override {
       Configuration q(getDimension());
       space_.interpolate(view(a), view(b), t, q);
       std::copy(q.begin(), q.end(), out->as<StateType>()->values);
     }
     double getMaximumExtent() const override { return space_.diameter(); }
     double getMeasure() const override { return std::exp(space_.log_volume()); }
-    ompl::base::StateSamplerPtr allocDefaultStateSampler() const override { return std::make_shared<Uniform>(this, space_); }
+    ompl::base::StateSamplerPtr allocDefaultStateSampler() const override {
+      return std::make_shared<Uniform>(this, space_);
+    }
 
    private:
     class Uniform final : public ompl::base::StateSampler {
@@ -159,11 +163,11 @@ class OmplProblem {
 };
 
 /// Lets a planner of OMPL draw from a guide: it has the state sampler and the valid state sampler of a space
-/// information ask a Sampler, and tells that what becomes of the draws. Nodes are found by their coordinates. It counts
-/// the validity checks of the planner, and knows where a motion is invalid by the state that was found invalid.
+/// information ask a Sampler, and reports what becomes of the draws. Nodes are found by their coordinates. It counts
+/// the validity checks of the planner. A motion is invalid at the state that was found invalid.
 ///
 /// Make it before the planner's setup(); it outlives the planner's solve. It serves one planner at a time, and one
-/// solve: the planner's later ones would continue a tree that the sampler knows, which is allowed, but not after
+/// solve: later ones may continue its tree, but not after
 /// Planner::clear, before which `Sampler::cleared` is called. Planners that draw or check in several threads are not
 /// supported; `connected` may be called by any thread, as PRM calls its termination condition.
 class OmplGuide {
@@ -175,11 +179,10 @@ class OmplGuide {
     roadmap  ///< as PRM: of valid states, which it connects
   };
 
-  /// \param information  its samplers, its validity checker and its motion validator are replaced by ones that call them
+  /// \param information  its samplers, its validity checker and its motion validator are replaced
   /// \param sampler  of the same problem: the reals of a state are its coordinates. It outlives this object
   /// \param search  of the planner
-  /// \param spent  called with the number of checks before they are made, and after a draw with those of the guide:
-  ///     for Bounded; empty: nothing is
+  /// \param spent  called with each number of checks of the planner, and of the guide; empty: nothing is
   OmplGuide(const ompl::base::SpaceInformationPtr& information, Sampler& sampler, Search search,
             std::function<void(std::uint64_t)> spent = {})
       : ask_(std::make_shared<Ask>(information.get(), sampler, search, std::move(spent))) {
@@ -211,7 +214,11 @@ class OmplGuide {
   /// What the objects that OMPL calls share.
   struct Ask {
     Ask(ompl::base::SpaceInformation* of, Sampler& of_sampler, Search how, std::function<void(std::uint64_t)> with)
-        : information(of), sampler(of_sampler), search(how), spent(std::move(with)), proposal(of_sampler.space().dimension()) {}
+        : information(of),
+          sampler(of_sampler),
+          search(how),
+          spent(std::move(with)),
+          proposal(of_sampler.space().dimension()) {}
 
     [[nodiscard]] Configuration reals(const ompl::base::State* q) const {
       return reals_of(*information->getStateSpace(), q);
@@ -250,7 +257,8 @@ class OmplGuide {
       if (sampler.node(to) != no_node) return close_unused(id);
       const bool reached = id == 0 || to == drawn;
       of_goal.resize(sampler.nodes());
-      const bool goal = search == Search::trees && near != no_node && (near == sampler.root(Side::goal) || of_goal[near]);
+      const bool goal =
+          search == Search::trees && near != no_node && (near == sampler.root(Side::goal) || of_goal[near]);
       sampler.accepted(id, to, near, reached, true, goal ? Side::goal : Side::start);
       of_goal.push_back(goal);
     }
@@ -405,8 +413,7 @@ class OmplGuide {
 
   class Draws final : public ompl::base::StateSampler {
    public:
-    Draws(const ompl::base::StateSpace* of, Ask& ask)
-        : ompl::base::StateSampler(of), ask_(ask) {}
+    Draws(const ompl::base::StateSpace* of, Ask& ask) : ompl::base::StateSampler(of), ask_(ask) {}
     void sampleUniform(ompl::base::State* state) override { ask_.draw(state); }
     void sampleUniformNear(ompl::base::State* state, const ompl::base::State* near, double distance) override {
       own().sampleUniformNear(state, near, distance);

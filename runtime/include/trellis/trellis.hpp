@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Problems, strategies and their execution. Tests of strategies include <trellis/testing.hpp>, users of Eigen
-// <trellis/eigen.hpp>.
+// Problems, strategies, their execution, and samplers. Tests include <trellis/testing.hpp>, users of Eigen
+// <trellis/eigen.hpp>, users of OMPL <trellis/ompl.hpp>.
 //
 //     const StrategySpec strategy = GuideSpec::make("skeleton", {}) >> StrategySpec(PlannerSpec::make("rrt", {}));
 //     for (const Problem& problem : read_problems("scene.txt", {})) {
@@ -15,4 +15,5 @@
 #include <trellis/scene/spatial/point_cloud.hpp>
 #include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/executor.hpp>
+#include <trellis/strategy/sampler.hpp>
 #include <trellis/strategy/spec.hpp>

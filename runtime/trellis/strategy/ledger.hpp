@@ -79,7 +79,7 @@ class Ledger {
   /// Once for each proposal: accounts for the work of the last one, and decides whether the guide may draw the next. If
   /// so, h is asked.
   [[nodiscard]] bool asks_guide();
-  /// Before a proposal is drawn, h may be asked again.
+  /// `asks_guide` asks h once more before the next proposal.
   void ask_again() { asked_ = false; }
   /// What the levels below may spend before they pause.
   [[nodiscard]] Slice slice() const;

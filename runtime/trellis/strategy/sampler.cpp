@@ -64,8 +64,8 @@ class Sampler::Asked {
     run_.problem = problem_.name;
     run_.seed = seed;
     run_.seeded = true;
-    level_ = std::make_unique<Level>(run_, nullptr, "0", "root", root_instance(strategy_, problem_), strategy_.planner(),
-                                    nullptr);
+    level_ = std::make_unique<Level>(run_, nullptr, "0", "root", root_instance(strategy_, problem_),
+                                     strategy_.planner(), nullptr);
     const auto dimension = space().dimension();
     proposal_.resize(dimension);
     near_.resize(dimension);
@@ -96,8 +96,9 @@ class Sampler::Asked {
 
   Configurations draw_many(std::size_t n, Side side) {
     if (!options_.optimistic) {
-      throw Error("sampler: draw_many gives draws before their answers: set 'optimistic', by which each counts as "
-                  "accepted, or call draw");
+      throw Error(
+          "sampler: draw_many gives draws before their answers: set 'optimistic', by which each counts as "
+          "accepted, or call draw");
     }
     Configurations rows(space().dimension());
     rows.reserve(n);
@@ -169,7 +170,7 @@ class Sampler::Asked {
                                   std::pair(first_invalid, "the invalid configuration")}) {
       if (!q.empty()) check_configuration(q, what);
     }
-    if (id == 0 && to.empty()) throw Error("sampler: a motion without a draw has no end");
+    if (id == 0 && to.empty()) throw Error("sampler: a motion without a draw needs its second end");
     Configuration target;
     Configuration blocked;
     Outcome outcome;
@@ -302,8 +303,7 @@ class Sampler::Asked {
   };
 
   static const SamplerOptions& checked(const SamplerOptions& options) {
-    check_option(std::isfinite(options.step) && options.step >= 0.0, "step", options.step,
-                 "a length of at least 0 m");
+    check_option(std::isfinite(options.step) && options.step >= 0.0, "step", options.step, "a length of at least 0 m");
     check_option(options.uniform >= 0.0 && options.uniform <= 1.0, "uniform", options.uniform, "a share in [0, 1]");
     check_option(options.goal_bias >= 0.0 && options.goal_bias < 1.0, "goal_bias", options.goal_bias,
                  "a share in [0, 1)");
@@ -322,9 +322,8 @@ class Sampler::Asked {
       level_->guide_by(guide_);
       return true;
     });
-    level_->plan_elsewhere(std::make_unique<Elsewhere>(PlannerContext{level_->instance(), h(),
-                                                                      Stream(run_.seed, "0", "proposals"), search(),
-                                                                      true, nullptr, "sampler"}));
+    level_->plan_elsewhere(std::make_unique<Elsewhere>(PlannerContext{
+        level_->instance(), h(), Stream(run_.seed, "0", "proposals"), search(), true, nullptr, "sampler"}));
     search().sources = h().sources();
     level_->begin_root();
     run_.clock.switch_to(nullptr);
@@ -449,8 +448,8 @@ class Sampler::Asked {
   std::unique_ptr<Level> level_;
   bool begun_ = false;
   std::uint64_t spent_ = 0;
-  std::uint64_t id_ = 0;    ///< of the last draw
-  bool pending_ = false;    ///< it has no answer
+  std::uint64_t id_ = 0;  ///< of the last draw
+  bool pending_ = false;  ///< it has no answer
   Side side_ = Side::start;
   bool bidirectional_ = false;
   Configuration proposal_;
