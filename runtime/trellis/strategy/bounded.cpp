@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
 #include <cmath>
 #include <exception>
 #include <thread>
@@ -57,10 +58,10 @@ bool Bounded::take_part(Who who, const std::function<bool()>& planner) {
 }
 
 std::optional<Who> Bounded::run(const std::function<bool()>& alone, const std::function<bool()>& guided) {
-  checks_[0] = checks_[1] = 0;
-  ended_[0] = ended_[1] = false;
+  checks_ = {};
+  ended_ = {};
   found_.reset();
-  std::exception_ptr faults[2];
+  std::array<std::exception_ptr, 2> faults;
   const auto body = [&](Who who, const std::function<bool()>& planner) {
     bool found = false;
     try {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -203,8 +204,8 @@ class Bounded {
   std::uint64_t slice_;
   mutable std::mutex mutex_;
   std::condition_variable turn_;
-  std::uint64_t checks_[2] = {0, 0};
-  bool ended_[2] = {false, false};
+  std::array<std::uint64_t, 2> checks_{};
+  std::array<bool, 2> ended_{};
   std::optional<Who> found_;
 };
 
