@@ -50,6 +50,7 @@
 #include <trellis/results/directories.hpp>
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
+#include "call.hpp"
 #include "sampler.hpp"
 
 namespace py = pybind11;
@@ -71,39 +72,6 @@ namespace dsl = trellis::dsl;
 
 // Interruption
 // ---------------------------------------------------------------------------------------------------------------
-
-/// Calls of this module that are running, and whether Ctrl-C was pressed meanwhile. It stops all of them: scripts keep
-/// the function that reads it, longer than a call lasts.
-class Call {
- public:
-  Call() {
-    const std::scoped_lock lock(mutex());
-    ++running();
-  }
-  ~Call() {
-    const std::scoped_lock lock(mutex());
-    if (--running() == 0) stopped() = false;
-  }
-  Call(const Call&) = delete;
-  Call& operator=(const Call&) = delete;
-
-  static void stop() { stopped() = true; }
-  static bool is_stopped() { return stopped(); }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-  static int& running() {
-    static int count = 0;
-    return count;
-  }
-  static std::atomic<bool>& stopped() {
-    static std::atomic<bool> flag = false;
-    return flag;
-  }
-};
 
 /// Calls `body` in a thread of its own. Meanwhile this thread handles Python's signals and calls `meanwhile`, both with
 /// the GIL, which it releases in between. \throws what `body`, a signal's handler or `meanwhile` throws.
@@ -534,9 +502,15 @@ PYBIND11_MODULE(_trellis, m) {
     } catch (const Error& error) {
       raise(error);
     } catch (const Interrupted&) {
-      PyErr_SetNone(PyExc_KeyboardInterrupt);
+      // A thread that ends with SystemExit prints nothing.
+      PyErr_SetNone(Call::is_exiting() ? PyExc_SystemExit : PyExc_KeyboardInterrupt);
     }
   });
+
+  py::module_::import("atexit").attr("register")(py::cpp_function([] {
+    const py::gil_scoped_release released;
+    Call::exit();
+  }));
 
   m.def("version", &trellis::version);
   m.def("commit", &command::commit);

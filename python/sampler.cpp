@@ -17,6 +17,8 @@
 
 #include <trellis/base/error.hpp>
 
+#include "call.hpp"
+
 namespace py = pybind11;
 
 using trellis::Configurations;
@@ -96,7 +98,7 @@ struct PythonSampler::Signals {
 
   bool stopped() {
     constexpr std::chrono::milliseconds interval(50);
-    if (raised) return true;
+    if (raised || Call::is_stopped()) return true;
     const auto now = Clock::now();
     if (now - looked < interval) return false;
     looked = now;
@@ -118,14 +120,18 @@ PythonSampler::PythonSampler(const trellis::GuideSpec& guide, const trellis::Pro
         return trellis::Sampler(guide, problem, seed, options);
       }()) {}
 
-template <class Call>
-auto PythonSampler::released(const Call& call) {
+template <class Body>
+auto PythonSampler::released(const Body& body) {
   signals_->raised.reset();
+  const Call running;
   try {
     const py::gil_scoped_release without;
-    return call();
+    return body();
   } catch (const trellis::SamplerInterrupted&) {
-    if (!signals_->raised) throw;
+    if (!signals_->raised) {
+      PyErr_SetNone(Call::is_exiting() ? PyExc_SystemExit : PyExc_KeyboardInterrupt);
+      throw py::error_already_set();
+    }
     py::error_already_set raised = std::move(*signals_->raised);
     signals_->raised.reset();
     throw raised;

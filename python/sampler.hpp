@@ -24,8 +24,8 @@ class PythonSampler {
   struct Signals;
 
   /// Calls a function of the sampler without the GIL. \throws what a handler of a signal threw meanwhile
-  template <class Call>
-  auto released(const Call& call);
+  template <class Body>
+  auto released(const Body& body);
 
   std::shared_ptr<Signals> signals_;
   trellis::Sampler sampler_;

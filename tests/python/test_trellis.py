@@ -9,6 +9,7 @@ import pathlib
 import random
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import unittest
@@ -462,6 +463,17 @@ class Package(unittest.TestCase):
                 for member, function in vars(value).items() if isinstance(value, type) else ():
                     if not member.startswith("_"):
                         self.assertTrue(function.__doc__, f"{name}.{member}")
+
+
+class Exit(unittest.TestCase):
+    def test_a_daemon_thread_that_plans_ends_with_the_interpreter(self):
+        for call in ("trellis.run('rrt {}', 'scenes.cup()', 100000, measure=False)",
+                     "[trellis.Sampler('shrink(0.5)', trellis.problem('scenes.cup()'), s).draw() for s in range(10 ** 6)]"):
+            code = "import trellis, threading, time\n" \
+                   f"threading.Thread(target=lambda: {call}, daemon=True).start()\n" \
+                   "time.sleep(0.3)\nprint('exiting')\n"
+            done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, check=False, timeout=60)
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "exiting\n", ""))
 
 
 if __name__ == "__main__":
