@@ -60,6 +60,16 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module(".figures", __name__)
     if name not in __all__ and name != "__version__":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        importlib.import_module("._trellis", __name__)
+    except ModuleNotFoundError as missing:
+        if missing.name != "trellis._trellis":
+            raise
+        raise ImportError(
+            "the compiled module of the package 'trellis' is not built for this Python: build it by `scripts/setup build "
+            "python && scripts/build`, and run Python with PYTHONPATH=build/release/python, or `pip install .`. "
+            "`trellis.figures` works without it"
+        ) from missing
     for part in ("_trellis", "_recorder", "_scripts", "_sampler"):
         module = importlib.import_module("." + part, __name__)
         globals().update({each: getattr(module, each) for each in __all__ if hasattr(module, each)})

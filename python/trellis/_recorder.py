@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import os
 from array import array
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
@@ -131,8 +132,29 @@ class Measurement:
         return list(self.document["flags"])
 
 
-def _rows(values: Any, dimension: int, what: str) -> "array[float]":
+def _by_names(values: Any, names: Sequence[str], what: str) -> Any:
+    """The columns of a frame in the order of the coordinates. A frame whose columns have numbers has that order."""
+    columns = [str(name) for name in values.columns]
+    if all(isinstance(name, int) or not isinstance(name, str) for name in values.columns):
+        return values.to_numpy()
+    missing = [name for name in names if columns.count(name) != 1]
+    if missing:
+        raise Error(
+            f"recorder: a frame of {what}s needs one column for each coordinate; {', '.join(missing)} "
+            f"{'is' if len(missing) == 1 else 'are'} not there once; it has {', '.join(columns)}. Give an array for "
+            "columns in the order of the coordinates: frame.to_numpy()"
+        )
+    others = [name for name in columns if name not in names]
+    if others:
+        raise Error(f"recorder: a frame of {what}s has other columns: {', '.join(others)}; choose {list(names)}")
+    return values[list(names)].to_numpy()
+
+
+def _rows(values: Any, names: Sequence[str], what: str) -> "array[float]":
     """The numbers of one configuration, or of several, row by row."""
+    dimension = len(names)
+    if hasattr(values, "columns") and hasattr(values, "to_numpy"):
+        values = _by_names(values, names, what)
     if hasattr(values, "__array__"):
         return _array_rows(values, dimension, what)
     try:
@@ -146,7 +168,7 @@ def _rows(values: Any, dimension: int, what: str) -> "array[float]":
             if len(row) != dimension:
                 raise Error(f"recorder: {what} {i + 1} has {len(row)} coordinates, not {dimension}")
             flat.extend(float(x) for x in row)
-    except (TypeError, ValueError) as fault:
+    except (OverflowError, TypeError, ValueError) as fault:
         raise Error(f"recorder: {what}s must be an array of N rows of {dimension} numbers ({fault})") from fault
     for i, x in enumerate(flat):
         if not math.isfinite(x):
@@ -158,9 +180,11 @@ def _array_rows(values: Any, dimension: int, what: str) -> "array[float]":
     """The same for an array of numpy."""
     import numpy
 
+    if numpy.any(getattr(values, "mask", False)):
+        raise Error(f"recorder: {what}s have masked numbers; choose the rows without: values[~values.mask.any(axis=1)]")
     try:
         table = numpy.ascontiguousarray(values, dtype=float)
-    except (TypeError, ValueError) as fault:
+    except (OverflowError, TypeError, ValueError) as fault:
         raise Error(f"recorder: {what}s must be an array of numbers ({fault})") from fault
     if table.ndim == 1 and table.size:
         table = table.reshape(1, -1)
@@ -171,6 +195,14 @@ def _array_rows(values: Any, dimension: int, what: str) -> "array[float]":
         row = int(numpy.argwhere(~finite)[0][0])
         raise Error(f"recorder: {what} {row + 1} has a coordinate that is not finite")
     return array("d", table.tobytes())
+
+
+def _whole(value: Any, name: str) -> int:
+    """An integer, of numpy too."""
+    try:
+        return operator.index(value)
+    except TypeError as fault:
+        raise Error(f"recorder: '{name}' must be an integer, got {value!r}") from fault
 
 
 def _listed(values: Iterable[Any]) -> List[Any]:
@@ -228,6 +260,7 @@ class Recorder:
                     there = ", ".join(coordinates)
                     raise Error(f"recorder: angles: there is no coordinate '{angle}'; there are: {there}")
                 angle = coordinates.index(angle)
+            angle = _whole(angle, "angles")
             if not 0 <= angle < self._dimension:
                 raise Error(f"recorder: angles: a coordinate is in [0, {self._dimension - 1}], got {angle}")
             periodic[angle] = True
@@ -269,11 +302,13 @@ class Recorder:
         return len(self._samples) // self._dimension
 
     def add(self, samples: Any) -> None:
-        """Adds a sample of D numbers, or several: an array of shape (N, D), or a list of rows, in any order.
+        """Adds a sample of D numbers, or several: an array of shape (N, D), or a list of rows, in any order. Of a frame
+        of pandas the columns called as the coordinates are taken, in whatever order they are.
 
-        Raises `trellis.Error` for another number of coordinates, and for numbers that are not finite.
+        Raises `trellis.Error` for another number of coordinates, for numbers that are masked or not finite, and for a
+        frame with other columns.
         """
-        self._samples.extend(_rows(samples, self._dimension, "sample"))
+        self._samples.extend(_rows(samples, self._space["coords"], "sample"))
 
     def clear(self) -> None:
         """Removes all samples."""
@@ -302,20 +337,23 @@ class Recorder:
         Raises `trellis.Error` for a fault of these, where no sample lies within the bounds, and where nothing valid
         lies within the tube; KeyboardInterrupt on Ctrl-C; and what the function `valid` raises.
         """
-        given = self._samples if samples is None else _rows(samples, self._dimension, "sample")
+        given = self._samples if samples is None else _rows(samples, self._space["coords"], "sample")
         if not given:
             raise Error("recorder: there are no samples; add some first")
+        points = _rows(path, self._space["coords"], "configuration of the path")
+        if len(points) < 2 * self._dimension:
+            raise Error(f"recorder: a path is of shape (K, {self._dimension}) with K of at least 2, from start to goal")
         case: Mapping[str, Any] = {
             **self._space,
-            "path": [row.tolist() if hasattr(row, "tolist") else list(row) for row in path],
+            "path": [points[i : i + self._dimension].tolist() for i in range(0, len(points), self._dimension)],
             "delta": delta,
             "distance": distance,
-            "seed": seed,
+            "seed": _whole(seed, "seed"),
             **({} if self._free is None else {"free": self._free}),
         }
         try:
             text = json.dumps(case, allow_nan=False, default=float)
-        except (TypeError, ValueError) as fault:
+        except (OverflowError, TypeError, ValueError) as fault:
             raise Error(f"recorder: all numbers must be finite ({fault})") from fault
         count = len(given) // self._dimension
         table = memoryview(given).cast("B").cast("d", [count, self._dimension])

@@ -420,7 +420,7 @@ class Recorders(Folder):
             "not finite": lambda: recorder.add([1, math.inf]),
             "must be an array": lambda: recorder.add(["a", "b"]),
             "delta must be": lambda: recorder.measure(PATH, delta=0, samples=samples(3)),
-            "path must hold two": lambda: recorder.measure(PATH[:1], delta=1, samples=samples(3)),
+            "K of at least 2": lambda: recorder.measure(PATH[:1], delta=1, samples=samples(3)),
             "lies outside of the space": lambda: recorder.measure([[0, 0], [11, 0]], delta=1, samples=samples(3)),
             "finite": lambda: recorder.measure([[0, 0], [math.nan, 0]], delta=1, samples=samples(3)),
             "within the bounds": lambda: recorder.measure(PATH, delta=1, samples=[[20, 20]]),
@@ -463,6 +463,53 @@ class Package(unittest.TestCase):
                 for member, function in vars(value).items() if isinstance(value, type) else ():
                     if not member.startswith("_"):
                         self.assertTrue(function.__doc__, f"{name}.{member}")
+
+
+@unittest.skipUnless(HAS_NUMPY and HAS_PANDAS, "numpy and pandas are not installed")
+class Frames(unittest.TestCase):
+    def setUp(self):
+        import numpy
+
+        self.rows = numpy.random.default_rng(1).uniform([0, 0], [10, 2], (200, 2))
+        self.path = [[1, 1], [9, 1]]
+
+    def recorder(self):
+        return trellis.Recorder(lo=[0, 0], hi=[10, 2], names=["x", "y"])
+
+    def test_columns_are_read_by_their_names(self):
+        import pandas
+
+        frame = pandas.DataFrame(self.rows, columns=["x", "y"])
+        plain = self.recorder().measure(self.path, delta=0.3, samples=self.rows)
+        for samples in (frame, frame[["y", "x"]], pandas.DataFrame(self.rows)):
+            path = pandas.DataFrame(self.path, columns=["x", "y"])[["y", "x"]]
+            self.assertEqual(self.recorder().measure(path, delta=0.3, samples=samples).document, plain.document)
+        with self.assertRaisesRegex(trellis.Error, "one column for each coordinate; y is not there once; it has x, z"):
+            self.recorder().add(frame.rename(columns={"y": "z"}))
+        with self.assertRaisesRegex(trellis.Error, "other columns: t"):
+            self.recorder().add(frame.assign(t=0.0))
+
+    def test_other_numbers(self):
+        import numpy
+
+        recorder = self.recorder()
+        with self.assertRaisesRegex(trellis.Error, "masked"):
+            recorder.add(numpy.ma.masked_greater(self.rows, 5.0))
+        recorder.add(numpy.ma.masked_greater(self.rows, 50.0))
+        self.assertEqual(len(recorder), 200)
+        with self.assertRaisesRegex(trellis.Error, "must be an array of N rows of 2 numbers"):
+            recorder.add([[10 ** 400, 1]])
+        with self.assertRaisesRegex(trellis.Error, r"a path is of shape \(K, 2\)"):
+            recorder.measure([1.0, 1.0], delta=0.3)
+        with self.assertRaisesRegex(trellis.Error, "has 4 coordinates, not 2"):
+            recorder.measure([1.0, 1.0, 9.0, 1.0], delta=0.3)
+        with self.assertRaisesRegex(trellis.Error, "'seed' must be an integer, got 1.5"):
+            recorder.measure(self.path, delta=0.3, seed=1.5)
+        self.assertEqual(recorder.measure(self.path, delta=0.3, seed=numpy.int64(1)).document,
+                         recorder.measure(self.path, delta=0.3).document)
+        self.assertEqual(trellis.Recorder([0, -3], [1, 3], angles=[numpy.int32(1)])._space["periodic"], [False, True])
+        with self.assertRaisesRegex(trellis.Error, "there are no samples"):
+            self.recorder().measure(self.path, delta=0.3)
 
 
 class Exit(unittest.TestCase):
