@@ -20,6 +20,7 @@
 #include <trellis/base/errors.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/reader/readers.hpp>
+#include <trellis/strategy/scale.hpp>
 
 namespace trellis::command {
 
@@ -30,6 +31,9 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t most_dimensions = 100;
 constexpr std::size_t width_of_rotation = 4;
+constexpr double most_coordinate = 1e9;  // metres of the metric
+constexpr std::size_t most_of_path = 10000;
+constexpr double most_parts_of_path = 20000.0;
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
@@ -68,13 +72,13 @@ class Reader {
     Case result;
     result.file = file_;
     const bool space = errors.attempt([&] { read_space(result); });
-    if (space) {
-      errors.attempt([&] { read_path(result); });
-    }
+    const bool path = space && errors.attempt([&] { read_path(result); });
     errors.attempt([&] {
       const Json& delta = required("delta", "a number greater than 0 (metres of the metric)");
       if (!delta.is_number() || !(delta.get<double>() > 0.0) || !std::isfinite(delta.get<double>())) reject("delta");
       result.tube.delta = delta.get<double>();
+      if (space) check_scale(result);
+      if (path) check_length(result);
     });
     errors.attempt([&] {
       result.samples = samples_ ? (folder_ / text("samples", "the name of a CSV file")).string() : file_ + ": samples";
@@ -203,6 +207,12 @@ class Reader {
         if (lo[j] < hi[j]) return;
         fail(fmt::format("lo must be below hi, got lo = {:g} and hi = {:g} for {}", lo[j], hi[j], names[j]));
       });
+      errors.attempt([&] {
+        const double farthest = weights[j] * std::max(std::abs(lo[j]), std::abs(hi[j]));
+        if (farthest <= most_coordinate) return;
+        fail(fmt::format("lo, hi and weights must keep {} within {:g} m of 0 in the metric, got {:g} m", names[j],
+                         most_coordinate, farthest));
+      });
       axes.push_back({names[j], lo[j], hi[j], weights[j], periodic[j]});
     }
     errors.raise();
@@ -212,6 +222,24 @@ class Reader {
     result.space = space_of(axes, rotations);
     result.coordinates = names;
     read_distance(result, names);
+  }
+
+  /// The rule of scale, of scripts too.
+  void check_scale(const Case& result) const {
+    const double extent = result.space.diameter();
+    if (result.tube.delta * most_parts >= extent) return;
+    fail(fmt::format("delta is {:g} m, which divides the {:.3g} m of the space into more than {:g} parts; expected at "
+                     "least {:.3g}",
+                     result.tube.delta, extent, most_parts, extent / most_parts));
+  }
+
+  /// The memory and time of a target grow with the number of its radius along the path.
+  void check_length(const Case& result) const {
+    const double length = path_length(result.space, result.path);
+    if (length <= most_parts_of_path * result.tube.delta) return;
+    fail(fmt::format("path is {:.4g} m long, {:.0f} times delta; expected at most {:g} times: shorten it, or choose a "
+                     "larger delta",
+                     length, length / result.tube.delta, most_parts_of_path));
   }
 
   /// Returns the first column of each rotation.
@@ -321,6 +349,10 @@ class Reader {
     if (!path.is_array()) reject("path");
     if (path.size() < 2) {
       fail(fmt::format("path must hold two configurations at least, got {}", path.size()));
+    }
+    if (path.size() > most_of_path) {
+      fail(fmt::format("path must hold {} configurations at most, got {}: shorten it, the target lies about it",
+                       most_of_path, path.size()));
     }
     result.path = Configurations(dimension);
     ErrorList errors;
