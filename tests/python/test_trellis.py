@@ -489,6 +489,14 @@ class Frames(unittest.TestCase):
         with self.assertRaisesRegex(trellis.Error, "other columns: t"):
             self.recorder().add(frame.assign(t=0.0))
 
+    def test_the_rule_of_scale(self):
+        for changes, delta, fault in [({"hi": [10, 1e308]}, 0.3, "keep q2 within 1e\\+09 m"),
+                                      ({"weights": [1e300, 1]}, 0.3, "keep q1 within 1e\\+09 m"), ({}, 5e-324, "delta is")]:
+            recorder = trellis.Recorder(**{"lo": [0, 0], "hi": [10, 2], **changes})
+            recorder.add(self.rows)
+            with self.assertRaisesRegex(trellis.Error, fault):
+                recorder.measure(self.path, delta=delta)
+
     def test_other_numbers(self):
         import numpy
 
