@@ -113,3 +113,22 @@ TEST_CASE("a triangulation is the same each time, and too fine a one is refused"
   CHECK_THROWS_WITH(Triangulation(world, 1e-3),
                     Catch::Matchers::Contains("0.001 m") && Catch::Matchers::Contains("10 x 10"));
 }
+
+TEST_CASE("obstacles that reach far out of the world cost no more than what is inside", "[scene][triangulation]") {
+  // Sides of a million metres, along an axis and across: segments of the triangles' size were 5 million.
+  for (const double far : {20.0, 1e6}) {
+    CAPTURE(far);
+    const World world(Box2{{0, 0}, {10, 10}}, {{"wedge", Polygon{{{4, 4}, {4 + far, 4}, {4, 6}}}},
+                                               {"spike", Polygon{{{1, 8}, {2, 8}, {1.5, 8 + far}}}}});
+    const Triangulation t(world, 0.5);
+    CHECK(t.triangles().size() < 2000);
+    double free = 0.0;
+    constexpr int side = 400;
+    for (int i = 0; i < side; ++i) {
+      for (int j = 0; j < side; ++j) {
+        if (brute::is_free(world, {(i + 0.5) * 10 / side, (j + 0.5) * 10 / side})) ++free;
+      }
+    }
+    CHECK(t.area() == Approx(100.0 * free / (side * side)).epsilon(0.01));
+  }
+}

@@ -138,18 +138,41 @@ class Input {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec2 a = loop[i];
       const Vec2 side = loop[(i + 1) % loop.size()] - a;
-      const double wanted = std::max(1.0, std::round(norm(side) / size_));
+      const double stretches = std::max(1.0, std::round(norm(side) / size_));
+      const auto [begin, end] = near_bounds(a, side);
+      const double from = std::max(1.0, std::ceil(begin * stretches));
+      const double to = std::min(stretches - 1.0, std::floor(end * stretches));
+      const double wanted = 1.0 + std::max(0.0, to - from + 1.0);
       if (static_cast<double>(points.size()) + wanted > most_triangles) {
         throw Error(fmt::format(
             "segments of {:g} m along the obstacles would be more than {:g}; a larger option 'size' makes fewer", size_,
             most_triangles));
       }
-      const auto stretches = static_cast<std::size_t>(wanted);
-      for (std::size_t k = 0; k < stretches; ++k) {
-        points.push_back(a + (static_cast<double>(k) / static_cast<double>(stretches)) * side);
-      }
+      points.push_back(a);
+      for (double k = from; k <= to; ++k) points.push_back(a + (k / stretches) * side);
     }
     for (std::size_t i = first; i < points.size(); ++i) segments.emplace_back(i, i + 1 < points.size() ? i + 1 : first);
+  }
+
+  /// The part of a side that is within two stretches of the bounds: the rest has no points of its own, as no triangle
+  /// beyond the bounds is kept. \return its ends as shares of the side; an end before the beginning: no part is
+  [[nodiscard]] std::pair<double, double> near_bounds(Vec2 a, Vec2 side) const {
+    double begin = 0.0;
+    double end = 1.0;
+    const auto clip = [&](double at, double along, double lo, double hi) {
+      if (along == 0.0) {
+        if (at < lo || at > hi) end = -1.0;
+        return;
+      }
+      const double first = (lo - at) / along;
+      const double last = (hi - at) / along;
+      begin = std::max(begin, std::min(first, last));
+      end = std::min(end, std::max(first, last));
+    };
+    const double margin = 2.0 * size_;
+    clip(a.x, side.x, bounds_.lo.x - margin, bounds_.hi.x + margin);
+    clip(a.y, side.y, bounds_.lo.y - margin, bounds_.hi.y + margin);
+    return {begin, end};
   }
 
   /// How often the distance between points of the lattice is doubled at p: each time the distance from the outlines'
