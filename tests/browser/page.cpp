@@ -580,7 +580,7 @@ return experiment {
   const std::string schedule = R"(
     view.dataset.schedule = [...document.querySelectorAll('#schedule text')].map(t => t.textContent).join('|');
     const square = {member: 0, points: [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], radius: 0};
-    const beside = (...at) => teams.gap([square, {member: 1, points: [at], radius: 1}, {member: 0, points: [at], radius: 0}]);
+    const beside = (...at) => teams.gap([square, {member: 1, points: [at], radius: 1}, {member: 1, points: [at], radius: 0}]);
     view.dataset.gaps = [beside(4, 5, 0), beside(0.5, 0.5, 3), beside(0.5, 0.5, 0)].join(' ');)";
   auto shown = perform(place, {{"start", "layers=0:path", look},
                                {"schedule", "", schedule},
