@@ -2,7 +2,7 @@
 -- Arms that are fixed to their base: the path of the tip guides all joints.
 --
 --   trellis run examples/arms.lua --json costs.json
---   trellis report costs.json --out costs        prints ratios, and writes tables and figures
+--   trellis report costs.json --report costs --figures costs   prints ratios, writes figures and tables
 --
 -- `skeleton()` follows the medial axis of the space that the tip of the arm reaches; inverse kinematics computes the
 -- joint angles for each point, one after another. It saves checks where the path of the tip is hard to find (the gaps,

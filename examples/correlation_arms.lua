@@ -3,7 +3,7 @@
 -- rrt alone solves 2 runs of 15.
 --
 --   trellis run examples/correlation_arms.lua --quiet --json arms.json
---   trellis report arms.json --out arms
+--   trellis report arms.json --report costs
 
 local arms = require "arms"
 local guides = require "pays.guides"

@@ -2,7 +2,7 @@
 -- Does guidance pay? The costs of guided strategies relative to RRT-Connect without guides, in rows of false gaps.
 --
 --   trellis run examples/pays.lua --json costs.json
---   trellis report costs.json --out costs        prints ratios, and writes tables and figures
+--   trellis report costs.json --report costs --figures costs   prints ratios, writes figures and tables
 --
 -- scripts/pays does this with every world and strategy; docs/pays.md has the results.
 

@@ -24,6 +24,18 @@ find_scenes() {
   fi
 }
 
+# The Python that has pandas and matplotlib, as the program finds it: TRELLIS_PYTHON, else the first python3.
+find_python() {
+  local one
+  for one in ${TRELLIS_PYTHON:-python3 /usr/bin/python3}; do
+    if "$one" -c 'import matplotlib, pandas' 2>/dev/null; then
+      printf '%s\n' "$one"
+      return
+    fi
+  done
+  die 'tables need Python 3 with matplotlib and pandas (Debian: python3-matplotlib, python3-pandas)'
+}
+
 # One CGAL source takes up to 2.4 GB to compile, so memory limits the jobs as the cores do.
 build_jobs() {
   if [[ -n ${TRELLIS_JOBS:-} ]]; then

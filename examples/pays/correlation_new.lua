@@ -2,7 +2,7 @@
 -- As correlation.lua, in worlds that no choice of the measure has seen: random ones with seeds of their own.
 --
 --   trellis run examples/pays/correlation_new.lua --quiet --json new.json
---   trellis report new.json --out new
+--   trellis report new.json --report costs
 
 local guides = require "guides"
 

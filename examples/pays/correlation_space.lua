@@ -2,7 +2,7 @@
 -- As correlation.lua, for a plank in space.
 --
 --   trellis run examples/pays/correlation_space.lua --quiet --json space.json
---   trellis report space.json --out space
+--   trellis report space.json --report costs
 
 local guides = require "guides"
 

@@ -577,11 +577,21 @@ return experiment {
   const std::string hover = look + R"(
     const middle = {clientX: box.left + box.width / 2 + 3 * scale, clientY: box.top + box.height / 2 + 3 * scale, bubbles: true};
     canvas.dispatchEvent(new PointerEvent('pointermove', middle));)";
+  const std::string schedule = R"(
+    view.dataset.schedule = [...document.querySelectorAll('#schedule text')].map(t => t.textContent).join('|');
+    const square = {member: 0, points: [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], radius: 0};
+    const beside = (...at) => teams.gap([square, {member: 1, points: [at], radius: 1}, {member: 1, points: [at], radius: 0}]);
+    view.dataset.gaps = [beside(4, 5, 0), beside(0.5, 0.5, 3), beside(0.5, 0.5, 0)].join(' ');)";
   auto shown = perform(place, {{"start", "layers=0:path", look},
+                               {"schedule", "", schedule},
                                {"end", "layers=0:path&along=1000", look},
                                {"half", "layers=0:path&along=500", look},
                                {"over the second", "layers=0:tree", hover},
                                {"of one robot", "select=2:tree:0"}});
+  for (const char* words : {"robot 1|", "robot 3|", "|smallest|gap|", "time, s"}) {
+    CHECK_THAT(shown["schedule"]["schedule"], Catch::Matchers::Contains(words));
+  }
+  CHECK(shown["schedule"]["gaps"] == "4 2 0");
   CHECK(shown["start"]["starts"] == "123");
   CHECK(shown["start"]["goals"] == "---");
   CHECK(shown["end"]["goals"] == "123");

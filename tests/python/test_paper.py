@@ -19,27 +19,28 @@ from paper import compare  # noqa: E402
 VALUES = {"rrt": (1.0, 1.1, 1.2, 1.3, 1.4), "irc": (2.0, 2.1, 2.3, 2.5, 2.6), "dr_rrt": (0.5, 0.6, 0.7)}
 
 
+def columns(table):
+    """Returns rows as a table of the document."""
+    return {"rows": len(table), **{name: [row[name] for row in table] for name in (table[0] if table else ())}}
+
+
 def results(folder):
-    """Writes the files of a run that compare.py reads."""
-    runs = []
-    measure = {"rows": 0, **{name: [] for name in ("run", "level", "role", "path", "estimator", "SE")}}
-    rows = ["problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite"]
+    """Writes the document of a run that compare.py reads."""
+    runs, measure = [], []
     for strategy, values in VALUES.items():
-        middle = sum(values) / len(values)
-        for path in ("own", "cross"):
-            rows.append(f"trap,{strategy},tree,{path},headline,SE,{middle},{middle - 0.1},{middle + 0.1},3,0")
-            rows.append(f"trap,{strategy},expansion,{path},headline,SE,,,,0,0")
         for seed, value in enumerate(values):
             for path in ("self", "cross"):
-                row = {"run": len(runs), "level": 0, "role": "tree", "path": path, "estimator": "knn", "SE": value}
-                measure["rows"] += 1
-                for name, cell in row.items():
-                    measure[name].append(cell)
-            runs.append({"problem": "trap", "strategy": strategy, "seed": seed})
-    document = {"experiment": {"problems": [{"name": "trap"}], "strategies": [{"name": name} for name in VALUES]},
-                "runs": runs, "measure": measure, "pooled": {"rows": 0}}
+                measure.append({"run": len(runs), "level": 0, "role": "tree", "path": path, "estimator": "knn", "SE": value,
+                                "SE_lo": value - 0.1, "SE_hi": value + 0.1, "D_uniform": 2.5, "D_perfect": 0.0,
+                                "above_uniform": 2.5 - value, "N": 100 * (seed + 1)})
+            runs.append({"problem": "trap", "strategy": strategy, "seed": seed, "solved": strategy != "irc"})
+    # Of all seeds together the trees of rrt are blank, and those of irc worse than their runs say.
+    pooled = [{"problem": "trap", "strategy": strategy, "key": "0", "role": "tree", "estimator": "knn", "SE": 2.0,
+               "SE_lo": lo, "SE_hi": hi, "D_uniform": 2.5} for strategy, lo, hi in (("rrt", 2.0, 3.1), ("irc", 2.9, 3.4))]
+    document = {"experiment": {"problems": [{"name": "trap"}], "strategies": [{"name": name} for name in VALUES],
+                               "seeds": [0, 1, 2, 3, 4], "measure": {"estimators": ["knn"]}},
+                "runs": runs, "measure": columns(measure), "pooled": columns(pooled)}
     (folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
-    (folder / "table.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
 def printed(program, folder):
@@ -62,8 +63,16 @@ class Comparison(unittest.TestCase):
             folder = pathlib.Path(name)
             results(folder)
             text = printed(compare, folder)
-        self.assertIn("| rrt | tree | 9.589 | 1.10 to 1.30 | 1.10 to 1.30 |\n", text)
-        self.assertIn("| rrt | expansion | 7.547 | NA | NA |\n", text)
+        # Student's interval of the ends: 1.1 and 1.3, both 0.2 wider.
+        end = 2.7764451051977987 * math.sqrt(0.025 / 5)
+        own = f"{1.1 - end:.2f} to {1.3 + end:.2f}"
+        self.assertIn(f"| rrt | {own}<br>NA |\n", text)
+        self.assertIn("| dr\\_rrt | 0.50 to 0.70<br>NA |\n", text)  # three runs have no interval
+        self.assertIn("**trap**: no run of irc found a path;", text)
+        self.assertIn(f"| rrt | tree | 9.589 | blank | {own} | {own} |\n", text)
+        self.assertIn("| rrt | expansion | 7.547 | NA | NA | NA |\n", text)
+        self.assertIn("| trap | irc | tree | -0.90 to -0.40 | ", text)
+        self.assertIn("| knn | own path | tree | 0.87 (3) |\n", text.split("## Beside")[0])  # with N: 300, 300, 200
         # Published: irc 4.8, rrt 9.6, dr_rrt 38.8; here dr_rrt, rrt, irc.
         self.assertIn("| headline | own path | tree | -1.00 (3) |\n", text)
         # Student's interval of the differences 1, 1, 1.1, 1.2, 1.2; three differences have none.

@@ -24,16 +24,6 @@ inline std::string report_json(const Experiment& experiment, const ExperimentRes
   return trellis::report_json(facts, summarise(facts));
 }
 
-inline std::string report_markdown(const Experiment& experiment, const ExperimentResult& result) {
-  const ExperimentFacts facts = facts_of(experiment, result);
-  return trellis::report_markdown(facts, summarise(facts));
-}
-
-inline std::string report_csv(const Experiment& experiment, const ExperimentResult& result) {
-  const ExperimentFacts facts = facts_of(experiment, result);
-  return trellis::report_csv(facts, summarise(facts));
-}
-
 inline std::string report_html(const Experiment& experiment, const ExperimentResult& result,
                                const std::string& script = "", const HtmlOptions& options = {}) {
   ExperimentFacts facts = facts_of(experiment, result, script);

@@ -4,12 +4,15 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
-#include <dsl/command/store/export.hpp>
+#include <dsl/command/python.hpp>
 #include <dsl/command/store/outputs.hpp>
 #include <dsl/command/store/records.hpp>
 #include <trellis/base/error.hpp>
@@ -46,6 +49,16 @@ void check_complete(const StoredRuns& records) {
   }
 }
 
+void write_stored(const std::string& folder, const Manifest& manifest, const StoredRuns& records) {
+  write_results(folder, manifest, [&](std::size_t run) { return records.line(run); });
+  manifest.write(folder);
+}
+
+const PythonModule exports{"trellis.export",
+                           "exports",
+                           {"sqlite3"},
+                           "databases and files for PDT are written by Python 3: install python3 (Debian)"};
+
 void write_folder(const MergeOptions& options, const Manifest& manifest, const StoredRuns& records) {
   OutputFolder out(options.out);
   // The same command replaces what it wrote.
@@ -54,8 +67,7 @@ void write_folder(const MergeOptions& options, const Manifest& manifest, const S
   if (!difference.empty()) {
     throw Error(fmt::format("--out: '{}' holds other runs: {}; name another folder", options.out, difference));
   }
-  write_results(options.out, manifest, [&](std::size_t run) { return records.line(run); });
-  manifest.write(options.out);
+  write_stored(options.out, manifest, records);
   out.keep();
 }
 
@@ -64,10 +76,7 @@ int merge(const MergeOptions& options) {
     throw Error("merge: name an output: --out FOLDER, --csv FILE, --sqlite FILE or --pdt FOLDER");
   }
   if (!options.csv.empty()) require_writable_file(options.csv);
-  if (!options.sqlite.empty()) {
-    require_writable_file(options.sqlite);
-    require_replaceable_database(options.sqlite);
-  }
+  if (!options.sqlite.empty()) require_writable_file(options.sqlite);
   Manifest manifest = Manifest::read(options.folders.front());
   StoredRuns records(manifest.experiment);
   for (const std::string& folder : options.folders) {
@@ -92,15 +101,17 @@ int merge(const MergeOptions& options) {
     table.publish();
     written.push_back(fmt::format("'{}'", options.csv));
   }
-  if (!options.sqlite.empty()) {
-    write_database(options.sqlite, manifest, records);
-    written.push_back(fmt::format("'{}'", options.sqlite));
-  }
-  if (!options.pdt.empty()) {
-    OutputFolder folder(options.pdt);
-    write_pdt(options.pdt, manifest, records);
-    folder.keep();
-    written.push_back(fmt::format("'{}'", options.pdt));
+  if (!options.sqlite.empty() || !options.pdt.empty()) {
+    std::optional<TemporaryFolder> own;
+    if (options.out.empty()) write_stored(own.emplace().path(), manifest, records);
+    const std::string& stored = own ? own->path() : options.out;
+    for (const auto& [to, out] : {std::pair{"sqlite", options.sqlite}, std::pair{"pdt", options.pdt}}) {
+      if (out.empty()) continue;
+      OutputFolder folder(to == std::string_view("pdt") ? out : "");
+      run_python(exports, {"--to", to, "--", stored, out}, own ? stored : "");
+      folder.keep();
+      written.push_back(fmt::format("'{}'", out));
+    }
   }
   print_all(fmt::format("{} runs of {} folder{} in {}\n", records.runs().size(), options.folders.size(),
                         options.folders.size() == 1 ? "" : "s", fmt::join(written, ", ")));

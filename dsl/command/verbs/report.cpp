@@ -33,19 +33,14 @@ struct ReportOptions {
   std::optional<std::uint64_t> width;
   std::string baseline;  ///< a strategy, "" for the one that the documents name
   bool by_name = false;  ///< strategies of one name may have other options in each file
-  std::string out;       ///< the folder of the tables of costs, "" if not given
   std::string figures;   ///< a folder, "" if not given
   std::string figure;    ///< a name, "" for all
   std::string html;      ///< a file, "" if not given
 
   /// Whether the costs of strategies are printed.
-  [[nodiscard]] bool costs() const {
-    return kind ? *kind == report_kinds().size() : files.size() > 1 || by_name || !out.empty();
-  }
+  [[nodiscard]] bool costs() const { return kind ? *kind == report_kinds().size() : files.size() > 1 || by_name; }
   /// Whether text is printed, and not only figures or a page are written.
-  [[nodiscard]] bool prints() const {
-    return kind || width || by_name || !out.empty() || (figures.empty() && html.empty());
-  }
+  [[nodiscard]] bool prints() const { return kind || width || by_name || (figures.empty() && html.empty()); }
 };
 
 /// The kinds of trellis run --report, and one more.
@@ -66,14 +61,12 @@ void check(const ReportOptions& options) {
                     report_kinds()[*options.kind]));
   }
   if (options.by_name) throw Error("--by-name: it is of --report costs");
-  if (!options.out.empty()) throw Error("--out: its tables are those of --report costs");
   if (!options.baseline.empty() && options.figures.empty()) {
     throw Error("--baseline: it is of --report costs and --figures; a report has the baseline of its experiment");
   }
 }
 
 void report_costs(const ReportOptions& options) {
-  OutputFolder out(options.out);
   CostData data;
   data.by_name = options.by_name;
   for (const std::string& file : options.files) {
@@ -86,11 +79,6 @@ void report_costs(const ReportOptions& options) {
   const auto width =
       static_cast<std::size_t>(options.width.value_or(static_cast<std::uint64_t>(report_width(unbounded_width))));
   print_all(costs_text(data, baseline, width));
-  if (options.out.empty()) return;
-  const std::filesystem::path folder(options.out);
-  write_file((folder / "table.md").string(), costs_markdown(data, baseline));
-  write_file((folder / "table.csv").string(), costs_csv(data, baseline));
-  out.keep();
 }
 
 /// Writes the page of a document, with replays where it has stored its samples.
@@ -157,7 +145,6 @@ void add_report(CommandLine& line) {
   verb.flag(
       "--by-name", options->by_name,
       "compare strategies by name, where their options differ between files (as steps that follow a world's size)");
-  verb.text("--out", "FOLDER", options->out, "write tables of costs into a folder");
   verb.text("--figures", "FOLDER", options->figures,
             "draw figures and tables for papers into a folder (needs matplotlib of Python)");
   verb.text(

@@ -143,8 +143,6 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, Exp
   const std::filesystem::path folder(options.out);
   facts.samples = "samples";
   write_packed_samples(experiment, result, (folder / facts.samples).string());
-  write_file((folder / "table.md").string(), report_markdown(facts, summary));
-  write_file((folder / "table.csv").string(), report_csv(facts, summary));
   write_file((folder / "runs.csv").string(), runs_csv(facts));
   if (const std::string couplings = couplings_csv(summary); !couplings.empty()) {
     write_file((folder / "couplings.csv").string(), couplings);

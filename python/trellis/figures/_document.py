@@ -246,9 +246,13 @@ class Results:
         return self._comparisons.get((problem, strategy))
 
     def median(self, problem: Optional[str], strategy: str, cost: str = "validity_checks") -> Interval:
-        """The median cost with its 95 % interval, of the document's summary."""
+        """The median cost with its 95 % interval: that of the document's summary where it has one."""
         entry = self.summary(problem, strategy)
-        return Interval() if entry is None else Interval.of(entry[cost])
+        if entry is not None and cost in entry:
+            return Interval.of(entry[cost])
+        from ._statistics import median_interval  # it imports this module
+
+        return median_interval(list(self.costs(problem, strategy, cost)))
 
     def ratio(self, problem: Optional[str], strategy: str) -> Interval:
         """The median of the validity checks divided by the baseline's on the same seed, with its 95 % interval."""

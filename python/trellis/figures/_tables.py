@@ -244,8 +244,8 @@ def tables(document: Document, format: Optional[str] = None) -> Dict[str, Any]:
     costs:       a row of each strategy on each problem, then over all: solved runs, validity checks until the first
                  path and their ratio to the baseline's (medians with 95 % intervals), p by Holm, time and path length.
     levels:      a row of each guide that was tested: checks without it divided by those with it, and the verdict.
-    paired:      a row of each strategy, reference and cost, as `table.csv` of `trellis report --report costs`: beside
-                 the baseline, its own planner, and the cheaper of its parts.
+    paired:      a row of each strategy, reference and cost: beside the baseline, its own planner, and the cheaper of its
+                 parts.
     efficiency:  a row of each strategy's nodes and proposals of all seeds together on each problem: hitting, mass,
                  spread and SE in nats, with 95 % intervals, and the SE of uniform samples.
     correlation: rank correlations of nats with checks, as of `correlation`.

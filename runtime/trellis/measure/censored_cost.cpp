@@ -41,16 +41,6 @@ Interval median_cost(std::span<const CensoredCost> costs) {
   return median_interval(values);
 }
 
-double PairedCosts::ratio_of_medians() const {
-  if (!std::isfinite(median.value) && !std::isfinite(reference_median.value)) return nan;
-  return divided(median.value, reference_median.value);
-}
-
-double PairedCosts::ratio_of_totals() const {
-  if (pairs == 0 || (std::isinf(total) && std::isinf(reference_total))) return nan;
-  return divided(total, reference_total);
-}
-
 PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const CensoredCost> reference) {
   if (mine.size() != reference.size()) {
     throw Error(
@@ -68,8 +58,6 @@ PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const Cen
     right.push_back(reference[i]);
     ratios.push_back(ratio);
     differences.push_back(cost_difference(mine[i], reference[i]));
-    result.total += mine[i].cost();
-    result.reference_total += reference[i].cost();
     result.solved += mine[i].solved ? 1 : 0;
     result.reference_solved += reference[i].solved ? 1 : 0;
     result.both_solved += mine[i].solved && reference[i].solved ? 1 : 0;

@@ -39,14 +39,12 @@ Interval median_cost(std::span<const CensoredCost> costs);
 
 /// Two lists of costs of the same seeds, paired by seed; medians with 95 % intervals by order statistics.
 struct PairedCosts {
-  Interval median;               ///< of the strategy, over the pairs
-  Interval reference_median;     ///< of the reference
-  Interval ratio;                ///< of the ratios of the pairs
-  Interval difference;           ///< of the differences
-  double total = 0.0;            ///< the strategy's cost of all pairs; infinite where it solved not all
-  double reference_total = 0.0;  ///< the reference's cost of all pairs
-  std::size_t pairs = 0;         ///< with both values
-  std::size_t solved = 0;        ///< pairs that the strategy solved
+  Interval median;            ///< of the strategy, over the pairs
+  Interval reference_median;  ///< of the reference
+  Interval ratio;             ///< of the ratios of the pairs
+  Interval difference;        ///< of the differences
+  std::size_t pairs = 0;      ///< with both values
+  std::size_t solved = 0;     ///< pairs that the strategy solved
   std::size_t reference_solved = 0;
   std::size_t both_solved = 0;
   std::size_t less = 0;  ///< pairs in which the strategy costs less
@@ -57,12 +55,6 @@ struct PairedCosts {
   /// Effect size: the share of pairs in which the strategy costs less, minus the share in which it costs more, in [-1,
   /// 1].
   double effect = std::numeric_limits<double>::quiet_NaN();
-
-  /// Returns the ratio of two finite medians; NaN otherwise.
-  [[nodiscard]] double ratio_of_medians() const;
-  /// Returns the total cost over all runs relative to the reference. A few long runs dominate it, but hardly change a
-  /// median. NaN where both have unsolved runs, or without pairs.
-  [[nodiscard]] double ratio_of_totals() const;
 };
 /// \throws Error for lists of different lengths.
 PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const CensoredCost> reference);

@@ -56,7 +56,6 @@ void Database::open(Mode mode) {
   sqlite3_busy_timeout(handle_, patience_ms);
   // With the rollback journal the database remains one file; the synced deletion of the journal is the commit.
   if (mode == Mode::write) run("PRAGMA synchronous = EXTRA");
-  if (mode == Mode::create) run("PRAGMA synchronous = OFF; PRAGMA journal_mode = MEMORY");
   run("PRAGMA trusted_schema = OFF");
 }
 

@@ -18,9 +18,8 @@ class Database {
     const char* brief;  ///< "library"
   };
   enum class Mode : std::uint8_t {
-    read,    ///< an existing file
-    write,   ///< created if necessary; a commit is on the disk when it returns
-    create,  ///< a new file that other programs do not read before it is renamed: not synced
+    read,   ///< an existing file
+    write,  ///< created if necessary; a commit is on the disk when it returns
   };
 
   /// \throws Error for a file that is no database, not even an empty one; leaves it as it is

@@ -37,7 +37,8 @@ namespace {
 struct HtmlOutcome {
   std::string text;
   bool solved = false;
-  std::size_t run = 0;  ///< index into the runs of the experiment
+  std::size_t run = 0;     ///< index into the runs of the experiment
+  std::vector<double> at;  ///< s, of each configuration of a team's path
 };
 
 /// The ends of the runs of one problem and strategy, by seed.
@@ -819,9 +820,11 @@ std::string data_scripts(const HtmlContent& content, PageData page, const HeldRu
           continue;
         }
         const auto id = held.ids.find(at->second.run);
-        runs.push_back({{"id", id == held.ids.end() ? -1 : static_cast<int>(id->second)},
+        const bool in_file = id != held.ids.end();
+        runs.push_back({{"id", in_file ? static_cast<int>(id->second) : -1},
                         {"text", at->second.text},
                         {"solved", at->second.solved}});
+        if (in_file && !at->second.at.empty()) runs.back()["at"] = at->second.at;
       }
       row.push_back({{"runs", std::move(runs)}});
     }
@@ -857,7 +860,8 @@ HtmlContent content_of(const ExperimentFacts& experiment, const ExperimentSummar
       HtmlOutcomes& outcomes = row.emplace_back();
       for (const RunFacts* run : experiment.select(problem.name, strategy.name)) {
         outcomes.emplace(run->seed, HtmlOutcome{outcome_text(*run), run->solved,
-                                                static_cast<std::size_t>(run - experiment.runs.data())});
+                                                static_cast<std::size_t>(run - experiment.runs.data()),
+                                                run->times ? run->times->at : std::vector<double>{}});
       }
     }
   }
@@ -903,24 +907,23 @@ Tables tables_of(const HtmlContent& content) {
   return {summary_table(content), levels_templates(content.summary) + costs_scripts(content)};
 }
 
-/// \param in_space  whether a problem is one of space: the page contains the viewer of space
+/// \param viewers  the scripts before the page's that its problems need
 std::string page_of(const HtmlContent& content, const Tables& tables, const std::string& notes, const std::string& data,
-                    bool in_space = false) {
+                    const std::string& viewers = "") {
   const HtmlParts& parts = html_parts();
-  return filled(
-      parts.page,
-      {{"TITLE", escaped(content.summary.script.empty() ? "Trellis" : "Trellis: " + content.summary.script)},
-       {"HEADING", heading_html(content.summary.answer, content.summary.strategies, "Trellis: results")},
-       {"ABOUT", escaped(about_text(content))},
-       {"ANSWER", answer_html(content)},
-       {"SUMMARY_TITLE", content.summary.measured
-                             ? "Efficiency <span>nats above uniform sampling, all strategies</span>"
-                             : "Medians <span>all strategies and problems</span>"},
-       {"STYLE", std::string(parts.style)},
-       {"SUMMARY", tables.summary},
-       {"NOTES", notes},
-       {"DATA", tables.worth + data},
-       {"SCRIPT", (in_space ? std::string(parts.space) : "") + std::string(parts.charts) + std::string(parts.script)}});
+  return filled(parts.page,
+                {{"TITLE", escaped(content.summary.script.empty() ? "Trellis" : "Trellis: " + content.summary.script)},
+                 {"HEADING", heading_html(content.summary.answer, content.summary.strategies, "Trellis: results")},
+                 {"ABOUT", escaped(about_text(content))},
+                 {"ANSWER", answer_html(content)},
+                 {"SUMMARY_TITLE", content.summary.measured
+                                       ? "Efficiency <span>nats above uniform sampling, all strategies</span>"
+                                       : "Medians <span>all strategies and problems</span>"},
+                 {"STYLE", std::string(parts.style)},
+                 {"SUMMARY", tables.summary},
+                 {"NOTES", notes},
+                 {"DATA", tables.worth + data},
+                 {"SCRIPT", viewers + std::string(parts.charts) + std::string(parts.script)}});
 }
 
 }  // namespace
@@ -946,7 +949,10 @@ std::string report_html(const ExperimentFacts& facts, const ExperimentSummary& s
   PageData data{problems_json(facts), facts.scenery.worlds, ""};
   const bool in_space =
       std::any_of(data.problems.begin(), data.problems.end(), [](const Json& one) { return one.contains("world"); });
-  const std::size_t viewer = in_space ? parts.space.size() + data.worlds.size() : 0;
+  const bool teams =
+      std::any_of(data.problems.begin(), data.problems.end(), [](const Json& one) { return one.contains("team"); });
+  const std::string viewers = std::string(in_space ? parts.space : "") + std::string(teams ? parts.teams : "");
+  const std::size_t viewer = viewers.size() + (in_space ? data.worlds.size() : 0);
   const std::size_t rest = parts.page.size() + parts.style.size() + parts.charts.size() + parts.script.size() +
                            tables.summary.size() + tables.worth.size() + bytes_of_outcome * facts.runs.size() + viewer;
   const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
@@ -955,7 +961,7 @@ std::string report_html(const ExperimentFacts& facts, const ExperimentSummary& s
   data.robots = samples->robots();
   if (!in_space) data.worlds = "[]";
   return page_of(content, tables, held_text(facts, held, most_bytes), data_scripts(content, std::move(data), held),
-                 in_space);
+                 viewers);
 }
 
 void write_html(const ExperimentFacts& facts, const ExperimentSummary& summary, RunSamples* samples,

@@ -12,6 +12,7 @@ struct HtmlParts {
   std::string_view script;
   std::string_view charts;  ///< of costs, before the script
   std::string_view space;   ///< the viewer of problems in space, before the script where there are some
+  std::string_view teams;   ///< the schedules of teams, before the script where there are some
 };
 const HtmlParts& html_parts();
 

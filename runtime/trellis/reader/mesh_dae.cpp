@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dlfcn.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cmath>
 #include <csignal>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include <trellis/base/process.hpp>
 #include <trellis/reader/mesh_formats.hpp>
 
 namespace trellis {
@@ -28,23 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_output = std::size_t{256} << 20U;
-
-/// A file descriptor that is closed with it.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-  void close() {
-    if (number_ >= 0) ::close(number_);
-    number_ = -1;
-  }
-
- private:
-  int number_;
-};
 
 /// Returns the path of the program that converts, "" if there is none: beside this program or library, or as installed.
 std::string converter() {
@@ -64,53 +42,6 @@ std::string converter() {
     }
   }
   return "";
-}
-
-/// What a process printed, and how it ended.
-struct Ended {
-  std::string output;
-  int status = 0;  ///< as of waitpid
-};
-
-/// Runs the converter with the file as its standard input.
-Ended convert(const MeshSource& source, const std::string& program) {
-  const auto fail = [&](int reason) {
-    return source.error(0, fmt::format("it cannot be converted: {}", std::generic_category().message(reason)));
-  };
-  const Descriptor file(::open(source.path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.number() < 0) throw fail(errno);
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw fail(errno);
-  const Descriptor out(ends[0]);
-  Descriptor in(ends[1]);
-
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, file.number(), STDIN_FILENO);
-  ::posix_spawn_file_actions_adddup2(&actions, in.number(), STDOUT_FILENO);
-  ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::string name = "trellis-mesh";
-  std::string ending = "dae";
-  std::string y_up = "y-up";
-  std::array<char*, 4> arguments{name.data(), ending.data(), source.y_up ? y_up.data() : nullptr, nullptr};
-  std::array<char*, 1> environment{nullptr};
-  pid_t child = 0;
-  const int failed = ::posix_spawn(&child, program.c_str(), &actions, nullptr, arguments.data(), environment.data());
-  ::posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) throw fail(failed);
-  in.close();
-
-  Ended ended;
-  std::array<char, 1U << 16U> block{};
-  while (ended.output.size() <= most_output) {
-    const ssize_t n = ::read(out.number(), block.data(), block.size());
-    if (n > 0) ended.output.append(block.data(), static_cast<std::size_t>(n));
-    if (n == 0 || (n < 0 && errno != EINTR)) break;
-  }
-  if (ended.output.size() > most_output) ::kill(child, SIGKILL);
-  while (::waitpid(child, &ended.status, 0) < 0 && errno == EINTR) {
-  }
-  return ended;
 }
 
 /// Returns an XML text without its comments.
@@ -175,8 +106,13 @@ void read_dae(const MeshSource& source, Polygons& polygons) {
                        "libassimp-dev is, or convert the file to OBJ or STL");
   }
   if (source.text.empty()) throw source.error(0, "it is empty");
-  Ended ended = convert(source, program);
-  if (ended.output.size() > most_output) throw source.error(0, "it is larger than a mesh may be");
+  Process convert{{program, "dae"}, {}, source.path, most_output};
+  if (source.y_up) convert.words.emplace_back("y-up");
+  ProcessEnd ended = run_process(convert);
+  if (ended.fault != 0) {
+    throw source.error(0, fmt::format("it cannot be converted: {}", std::generic_category().message(ended.fault)));
+  }
+  if (ended.too_long) throw source.error(0, "it is larger than a mesh may be");
   if (WIFSIGNALED(ended.status)) {
     const int signal = WTERMSIG(ended.status);
     throw source.error(0, signal == SIGXCPU || signal == SIGKILL ? "reading it takes too long or too much memory"

@@ -62,7 +62,7 @@ std::optional<CostCorrelation> cost_correlation(const CostData& data, const std:
   if (baseline.empty() || data.nats.empty()) return std::nullopt;
   const ChosenNats nats = chosen_nats(data, proposals);
   std::map<std::size_t, std::vector<CostCorrelation::Dot>> by_problem;
-  for (const CostComparison& c : compare_costs(data, CostReference::baseline, baseline)) {
+  for (const CostComparison& c : compare_costs(data, baseline)) {
     const CostData::Strategy& strategy = data.strategies[c.strategy];
     const auto found = nats.of.find({c.problem, c.strategy});
     if (strategy.ablation || cost_levels(strategy.text).size() < 2 || found == nats.of.end()) continue;

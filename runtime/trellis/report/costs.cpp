@@ -18,9 +18,6 @@ namespace trellis {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 template <class T>
 std::optional<std::size_t> index_of(const std::vector<T>& all, const std::string& name) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const T& one) { return one.name == name; });
@@ -67,13 +64,6 @@ CensoredCost cost(const CostData::Run& run, CostOf quantity) {
   return {run.*quantity - later, run.solved};
 }
 
-std::vector<CensoredCost> costs(const Cell& cell, CostOf quantity) {
-  std::vector<CensoredCost> values;
-  values.reserve(cell.size());
-  for (const auto& [seed, run] : cell) values.push_back(cost(*run, quantity));
-  return values;
-}
-
 /// Pairs the runs by seed, where both documents have the quantity.
 PairedCosts pairs_of(const Cell& mine, const Cell& theirs, CostOf quantity) {
   std::vector<CensoredCost> left;
@@ -87,71 +77,9 @@ PairedCosts pairs_of(const Cell& mine, const Cell& theirs, CostOf quantity) {
   return paired_costs(left, right);
 }
 
-/// Corrects the p values of one quantity over all comparisons.
-void correct(std::vector<CostComparison>& comparisons, CostRatio CostComparison::*quantity) {
-  std::vector<double> p;
-  p.reserve(comparisons.size());
-  for (const CostComparison& c : comparisons) p.push_back((c.*quantity).pairs > 0 ? (c.*quantity).sign_p : nan);
-  p = holm(p);
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (!std::isnan(p[i])) (comparisons[i].*quantity).holm_p = p[i];
-  }
-}
-
 std::size_t solved(const Cell& cell) {
   return static_cast<std::size_t>(
       std::count_if(cell.begin(), cell.end(), [](const auto& entry) { return entry.second->solved; }));
-}
-
-std::string joined(const std::vector<std::string>& levels, std::size_t first, std::size_t last) {
-  std::string text;
-  for (std::size_t i = first; i < last; ++i) text += levels[i] + " >> ";
-  return text + levels.back();
-}
-
-std::optional<std::size_t> with_text(const CostData& data, const std::string& text) {
-  const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
-                                  [&](const CostData::Strategy& s) { return s.text == text; });
-  if (found == data.strategies.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - data.strategies.begin());
-}
-
-/// Returns the strategies to compare a strategy with.
-std::vector<std::size_t> references_of(const CostData& data, std::size_t strategy, CostReference reference,
-                                       std::size_t baseline) {
-  if (reference == CostReference::baseline) {
-    return strategy == baseline ? std::vector<std::size_t>{} : std::vector{baseline};
-  }
-  const std::vector<std::string> levels = cost_levels(data.strategies[strategy].text);
-  const std::size_t guides = levels.size() - 1;
-  std::vector<std::size_t> found;
-  const auto add = [&](std::size_t first, std::size_t last) {
-    const auto one = with_text(data, joined(levels, first, last));
-    if (one && std::find(found.begin(), found.end(), *one) == found.end()) found.push_back(*one);
-  };
-  if (reference == CostReference::own_planner) {
-    if (guides > 0) add(guides, guides);
-  } else {
-    for (std::size_t split = 1; split < guides; ++split) {
-      add(0, split);
-      add(split, guides);
-    }
-  }
-  return found;
-}
-
-/// Returns the strategy with the least median cost.
-std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t>& references, CostOf quantity) {
-  std::size_t best = references.front();
-  double least = infinity;
-  for (const std::size_t reference : references) {
-    const double value = median_cost(costs(row[reference], quantity)).value;
-    if (value < least) {
-      least = value;
-      best = reference;
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -167,7 +95,7 @@ void CostData::add(const ExperimentFacts& experiment, const ExperimentSummary& s
       fail(fmt::format("'{}' is {} here and {} in another file; --by-name compares strategies by their names alone",
                        one.name, one.text, strategies[*known].text));
     }
-    if (!known) strategies.push_back({one.name, one.text, !one.ablation.empty(), one.spec});
+    if (!known) strategies.push_back({one.name, one.text, !one.ablation.empty()});
   }
   if (baseline.empty()) baseline = experiment.given_baseline;
   std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;
@@ -223,21 +151,6 @@ CostData CostData::without_ablations() const {
   return whole;
 }
 
-CostData CostData::on(std::size_t problem) const {
-  CostData one{{problems[problem]}, strategies, {}, baseline};
-  for (const Run& run : runs) {
-    if (run.problem != problem) continue;
-    one.runs.push_back(run);
-    one.runs.back().problem = 0;
-  }
-  for (const Nats& some : nats) {
-    if (some.problem != problem) continue;
-    one.nats.push_back(some);
-    one.nats.back().problem = 0;
-  }
-  return one;
-}
-
 CostData cost_data(const ExperimentFacts& experiment, const ExperimentSummary& summary) {
   CostData data;
   data.add(experiment, summary, experiment.script);
@@ -265,7 +178,7 @@ std::vector<std::string> cost_levels(const std::string& text) {
   return levels;
 }
 
-std::vector<CostComparison> compare_costs(const CostData& data, CostReference reference, const std::string& baseline) {
+std::vector<CostComparison> compare_costs(const CostData& data, const std::string& baseline) {
   const auto base = index_of(data.strategies, baseline);
   if (!base) {
     std::vector<std::string> known;
@@ -278,39 +191,28 @@ std::vector<CostComparison> compare_costs(const CostData& data, CostReference re
   for (std::size_t p = 0; p < data.problems.size(); ++p) {
     for (std::size_t s = 0; s < data.strategies.size(); ++s) {
       const Cell& mine = cells[p][s];
-      std::vector<std::size_t> references = references_of(data, s, reference, *base);
-      std::erase_if(references, [&](std::size_t r) { return cells[p][r].empty(); });
-      if (mine.empty() || references.empty()) continue;
-      const auto against = [&](CostOf quantity) {
-        const std::size_t other = cheapest(cells[p], references, quantity);
-        return CostRatio{pairs_of(mine, cells[p][other], quantity), data.strategies[other].name};
-      };
-      comparisons.push_back(
-          {p, s, mine.size(), solved(mine), against(&CostData::Run::checks), against(&CostData::Run::seconds)});
+      const Cell& reference = cells[p][*base];
+      if (s == *base || mine.empty() || reference.empty()) continue;
+      comparisons.push_back({p, s, mine.size(), solved(mine), pairs_of(mine, reference, &CostData::Run::checks),
+                             pairs_of(mine, reference, &CostData::Run::seconds)});
     }
   }
-  correct(comparisons, &CostComparison::checks);
-  correct(comparisons, &CostComparison::seconds);
   return comparisons;
 }
 
 CostSummary summarise_costs(const CostData& data, const std::vector<CostComparison>& comparisons, std::size_t strategy,
-                            CostRatio CostComparison::*quantity, std::optional<bool> tuned) {
+                            PairedCosts CostComparison::*quantity, std::optional<bool> tuned) {
   CostSummary summary;
   std::vector<double> ratios;
   for (const CostComparison& c : comparisons) {
     const CostData::Problem& problem = data.problems[c.problem];
     if (c.strategy != strategy || (tuned && problem.tuned != *tuned)) continue;
-    ++summary.problems;
     summary.runs += c.runs;
     summary.solved += c.solved;
     const double value = (c.*quantity).ratio.value;
     if (std::isnan(value)) continue;
     ratios.push_back(value);
-    if (!(value <= summary.worst)) {
-      summary.worst = value;
-      summary.worst_problem = problem.name;
-    }
+    if (!(value <= summary.worst)) summary.worst = value;
   }
   summary.median = median(ratios);
   return summary;

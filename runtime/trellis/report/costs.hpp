@@ -25,7 +25,6 @@ struct CostData {
     std::string name;
     std::string text;  ///< in the syntax of a script
     bool ablation = false;
-    std::string spec = {};  ///< with every option, as JSON; "" where the document has none
   };
   struct Run {
     std::size_t problem = 0;   ///< index into `problems`
@@ -68,63 +67,40 @@ struct CostData {
   [[nodiscard]] std::string reference() const;
   /// Returns the runs of the strategies that are no ablations.
   [[nodiscard]] CostData without_ablations() const;
-  /// Returns the runs on one problem; the result has only this problem.
-  [[nodiscard]] CostData on(std::size_t problem) const;
 };
 
 /// Returns the costs of an experiment's runs, without ablations.
 CostData cost_data(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 
-/// The reference of a strategy, for each problem.
-enum class CostReference : std::uint8_t {
-  baseline,     ///< one strategy for all
-  own_planner,  ///< the strategy's planner without its guides
-  best_part,    ///< of `a >> b >> planner`: the cheaper of `a >> planner` and `b >> planner`
-};
-
-/// One quantity of a strategy and its reference, on their common seeds.
-struct CostRatio : PairedCosts {
-  std::string reference;  ///< the strategy's name
-};
-
-/// The comparison of a strategy with its reference on a problem.
+/// The comparison of a strategy with the baseline on a problem, on their common seeds.
 struct CostComparison {
   std::size_t problem = 0;   ///< index into CostData::problems
   std::size_t strategy = 0;  ///< index into CostData::strategies
   std::size_t runs = 0;
   std::size_t solved = 0;
-  CostRatio checks;
-  CostRatio seconds;
+  PairedCosts checks;
+  PairedCosts seconds;
 };
 
 /// Splits a strategy's text into levels, from the first guide to the planner: at each '>>' outside of brackets.
 std::vector<std::string> cost_levels(const std::string& text);
 
-/// Compares all strategies by problem, then strategy; omits the reference itself and strategies without a reference.
-/// `holm_p` is corrected over all comparisons of a quantity.
+/// Compares all strategies with the baseline, by problem, then strategy.
 /// \throws Error where no strategy is named `baseline`.
-std::vector<CostComparison> compare_costs(const CostData& data, CostReference reference, const std::string& baseline);
+std::vector<CostComparison> compare_costs(const CostData& data, const std::string& baseline);
 
 /// A strategy's ratios over the problems of one kind.
 struct CostSummary {
-  std::size_t problems = 0;
   std::size_t runs = 0;
   std::size_t solved = 0;
   double median = std::numeric_limits<double>::quiet_NaN();  ///< over the problems, of the median ratio
   double worst = std::numeric_limits<double>::quiet_NaN();
-  std::string worst_problem;
 };
 /// \param tuned  true: over the problems on which the strategies were tuned; false: those held out; none: all
 CostSummary summarise_costs(const CostData& data, const std::vector<CostComparison>& comparisons, std::size_t strategy,
-                            CostRatio CostComparison::*quantity, std::optional<bool> tuned = {});
+                            PairedCosts CostComparison::*quantity, std::optional<bool> tuned = {});
 
 /// Returns text for a terminal: each strategy over all problems, and cost_correlation() where there is one.
 std::string costs_text(const CostData& data, const std::string& baseline, std::size_t width);
-/// Returns the complete comparison in Markdown. From "## Every figure" on, each problem and strategy has a row.
-std::string costs_markdown(const CostData& data, const std::string& baseline);
-/// Returns one value per line: group, tuned, problem, strategy, against, reference, quantity, runs, solved,
-/// reference_solved, both_solved, median, reference_median, ratio_of_medians, ratio_of_totals, paired_ratio, lo, hi,
-/// sign_p, holm_p, effect.
-std::string costs_csv(const CostData& data, const std::string& baseline);
 
 }  // namespace trellis

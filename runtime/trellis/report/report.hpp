@@ -35,14 +35,4 @@ std::string summary_text(const ExperimentSummary& experiment, int width = 160);
 /// \param summary  of the experiment
 std::string report_json(const ExperimentFacts& experiment, const ExperimentSummary& summary);
 
-/// Returns the root's sampling efficiency in the layout of papers, in Markdown: strategies below each other, problems
-/// side by side, the tree above the expansion. It contains every estimator, on own and other seeds' paths, and the
-/// other measures, and the rank correlation with the number of samples.
-/// \param summary  of the experiment
-std::string report_markdown(const ExperimentFacts& experiment, const ExperimentSummary& summary);
-
-/// Returns the same values as comma-separated values, one per line: problem, strategy, role, path, estimator, quantity,
-/// value, lo, hi, n, infinite.
-std::string report_csv(const ExperimentFacts& experiment, const ExperimentSummary& summary);
-
 }  // namespace trellis

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -214,6 +215,20 @@ void write_new_file(const std::string& path, const std::string& content) {
   if (reason == 0) reason = flush(draft.file());
   if (reason == 0) reason = draft.publish_new();
   if (reason != 0) fail(path, reason);
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::error_code fault;
+  path_ = (fs::temp_directory_path(fault) / "trellis-XXXXXX").string();
+  if (fault || ::mkdtemp(path_.data()) == nullptr) {
+    throw Error(fmt::format("no temporary folder '{}' can be made: {}", path_,
+                            fault ? fault.message() : std::generic_category().message(errno)));
+  }
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
 }
 
 }  // namespace trellis

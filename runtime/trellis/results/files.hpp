@@ -46,4 +46,19 @@ class FileWriter {
   std::string buffer_;
 };
 
+/// A folder of its own in the system's temporary one, removed with this object.
+class TemporaryFolder {
+ public:
+  /// \throws Error where none can be made.
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 }  // namespace trellis

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Writes OUTPUT, a C++ source that holds the page's files in FOLDER as texts.
 set(texts "")
-foreach(part page=report.html style=report.css script=report.js charts=charts.js space=space.js)
+foreach(part page=report.html style=report.css script=report.js charts=charts.js space=space.js teams=teams.js)
   string(REPLACE "=" ";" part ${part})
   list(GET part 0 field)
   list(GET part 1 file)

@@ -965,14 +965,14 @@ const difference = (axis, a, b) => {
 /// longest motion.
 function duration(level, a, b) {
   if (!team() || level.number !== 0) return distance(level, a, b);
-  return Math.max(...team().map(({ axis, axes }) => distance(level, a, b, axis, axis + axes)));
+  return Math.max(...team().map(({ axes }) => distance(level, a, b, axes)));
 }
 
-/// The length of a straight motion in a level's metric, of the axes from one on, below another.
-function distance(level, a, b, from = 0, to = level.axes.length) {
+/// The length of a straight motion in a level's metric, of some of its axes.
+function distance(level, a, b, axes = level.axes.map((_, j) => j)) {
   let sum = 0;
   level.axes.forEach((axis, j) => {
-    if (j < from || j >= to) return;
+    if (!axes.includes(j)) return;
     const first = level.rotations.find(r => j >= r && j < r + 4);
     if (first === undefined) sum += (axis.weight * difference(axis, a[j], b[j])) ** 2;
     else if (first === j) sum += (axis.weight * space3.angle(space3.unit([...a.slice(j, j + 4)]), space3.unit([...b.slice(j, j + 4)]))) ** 2;
@@ -985,8 +985,12 @@ function onPath(path, level, share) {
   for (let i = 1; i < path.size; i++) lengths.push(lengths[i - 1] + duration(level, path.row(i - 1), path.row(i)));
   const at = share * lengths[path.size - 1], end = Math.min(path.size - 1, Math.max(1, until(lengths, at)));
   if (path.size < 2) return path.row(0);
-  const a = path.row(end - 1), b = path.row(end), piece = lengths[end] - lengths[end - 1];
-  const t = piece > 0 ? Math.min(1, (at - lengths[end - 1]) / piece) : 0;
+  const piece = lengths[end] - lengths[end - 1];
+  return between(level, path.row(end - 1), path.row(end), piece > 0 ? Math.min(1, (at - lengths[end - 1]) / piece) : 0);
+}
+
+/// A configuration on the straight motion from a to b.
+function between(level, a, b, t) {
   const q = level.axes.map((axis, j) => a[j] + t * difference(axis, a[j], b[j]));
   for (const r of level.rotations) {
     q.splice(r, 4, ...space3.slerp(space3.unit([...a.slice(r, r + 4)]), space3.unit([...b.slice(r, r + 4)]), t));
@@ -1038,6 +1042,56 @@ function drawPanels() {
       [canvas, pen, plot, frame, zoom] = kept;
       Object.assign(state, kept[5]);
     }
+  });
+}
+
+/// Of a team whose path has times: when each robot moves, and the smallest distance between two.
+function drawSchedule() {
+  const to = $('schedule'), entry = cell().runs[state.seed], root = run && run.levels[0], robot = root && root.robot;
+  const at = entry && entry.at, path = run && run.path;
+  to.replaceChildren();
+  if (!team() || !at || !path || !robot || path.size !== at.length || !(at[at.length - 1] > 0)) return;
+  const members = team(), row = i => path.row(i);
+  const lanes = members.map(({ number, colour, axes }) => ({ name: 'robot ' + number, colour,
+    speeds: at.slice(1).map((t, i) => t > at[i] ? distance(root, row(i), row(i + 1), axes) / (t - at[i]) : 0) }));
+  const moments = [...Array(241).keys()].map(i => i * at[at.length - 1] / 240).concat(at).sort((a, b) => a - b);
+  const gaps = moments.map(t => {
+    const i = Math.min(at.length - 1, Math.max(1, until(at, t))), span = at[i] - at[i - 1];
+    return [t, teams.gap(memberParts(robot, between(root, row(i - 1), row(i), span > 0 ? Math.min(1, (t - at[i - 1]) / span) : 0)))];
+  });
+  teams.schedule(to, at, lanes, gaps, Math.min(720, to.clientWidth));
+}
+
+/// The robot of a team that each body of a robot of space belongs to; -1: none.
+function bodyMembers(robot) {
+  if (robot.members3) return robot.members3;
+  const of = column => team().findIndex(m => m.axes.includes(column));
+  if (robot.columns) return (robot.members3 = robot.columns.map(([column]) => of(column)));
+  const found = robot.bodies.map(body => of(body.column));
+  robot.bodies.forEach((body, i) => { if (found[i] < 0 && body.parent >= 0) found[i] = found[body.parent]; });
+  // A fixed base belongs to the robot that it carries.
+  for (let i = found.length - 1; i > 0; i--) {
+    const above = robot.bodies[i].parent, own = robot.bodies.filter((_, k) => k > 0 && robot.bodies[k].parent === above).length === 1;
+    if (above >= 0 && found[above] < 0 && own) found[above] = found[i];
+  }
+  return (robot.members3 = found);
+}
+
+/// The convex parts of a team's robots at a configuration.
+function memberParts(robot, q) {
+  if (robot.kind === 'planar' || !robot.surfaces) {
+    const at = poses(robot, q);
+    return robot.bodies.flatMap((body, i) => body.parts.map(part => {
+      const points = [], disc = part.length === 3;
+      for (let k = 0; k + 1 < part.length; k += 2) points.push([at[i].x + at[i].c * part[k] - at[i].s * part[k + 1], at[i].y + at[i].s * part[k] + at[i].c * part[k + 1], 0]);
+      return { member: body.robot, points, radius: disc ? part[2] : 0 };
+    }));
+  }
+  const at = posesOf(robot, q), members = bodyMembers(robot);
+  return partsOf(robot.surfaces).flatMap((part, i) => {
+    if (members[i] < 0 || !part.vertices.length) return [];
+    part.pieces = part.pieces || teams.pieces(part.vertices, part.triangles);
+    return part.pieces.map(piece => ({ member: members[i], points: piece.map(p => space3.placed(at[i], p)), radius: 0 }));
   });
 }
 
@@ -1334,6 +1388,7 @@ function load(fresh = true) {
   showLevels();
   showWorth();
   drawPanels();
+  drawSchedule();
   if (fresh) refresh();
 }
 
@@ -1614,9 +1669,9 @@ $('fold-runs').ontoggle = () => refresh();
 $('fold-costs').ontoggle = $('cost').onchange = () => showCosts();
 window.addEventListener('resize', showCosts);
 window.addEventListener('hashchange', () => { readHash(); refresh(); });
-window.addEventListener('resize', () => { drawPanels(); draw(); });
+window.addEventListener('resize', () => { drawPanels(); drawSchedule(); draw(); });
 for (const query of ['(prefers-color-scheme: dark)', 'print']) {
-  matchMedia(query).addEventListener('change', () => { readColours(); showLevels(); drawPanels(); refresh(); });
+  matchMedia(query).addEventListener('change', () => { readColours(); showLevels(); drawPanels(); drawSchedule(); refresh(); });
 }
 
 makeSortable($('summary'));
