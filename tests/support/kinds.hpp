@@ -10,9 +10,12 @@
 
 #include <dsl/language/tools/session.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/memory/model.hpp>
 #include <trellis/strategy/executor.hpp>
 
+#include "support/families.hpp"
 #include "support/folder.hpp"
+#include "support/learning_tasks.hpp"
 #include "support/manipulators.hpp"
 
 namespace trellis::test {
@@ -34,7 +37,7 @@ local guides = {
   skeleton(), workspace(), workspace { cell = 0.05 }, decomposition(), decomposition { size = 0.2 }, lazy { sparse = 1e-3 },
   skeleton { spacing = 1e-3 }, skeleton { follow = "regions" }, drop(), drop { spacing = 1e-3 }, aggregate(), joints { "x", "y" },
   joints { first = 1, slices = 1000 }, information_gain(1000), state_cells(), state_cells(0.01), uniform(), halton(),
-  informed { cost = 15 }, goal_bias(0.5), medial_axis(), medial_axis { rays = 1000, climbs = 1000 }, obstacle_based(),
+  informed { cost = 15 }, goal_bias(0.5), learned("gaps.model"), learned { "gaps.model", sharpness = 8 }, medial_axis(), medial_axis { rays = 1000, climbs = 1000 }, obstacle_based(),
   obstacle_based { tries = 1000000 },
 }
 for _, samples in ipairs { 1, 10, 1000, 1000000 } do guides[#guides + 1] = pca { 2, samples = samples } end
@@ -150,7 +153,8 @@ local pair = problem {
 local guides = {
   holonomic(), holonomic { follow = "steps", spacing = 1e-2 }, holonomic { paths = 3 }, blossom(), blossom(10000), decomposition(),
   decomposition { size = 0.3 }, skeleton(), skeleton { follow = "regions" }, workspace(), state_cells(), shrink(0.5), lazy(),
-  information_gain(100), pca { 2, samples = 100000 }, goal_bias(0.3), halton(), prioritise(), decouple(), drop(),
+  information_gain(100), pca { 2, samples = 100000 }, goal_bias(0.3), learned("gaps.model"), halton(), prioritise(),
+  decouple(), drop(),
 }
 return kinds({ cart, sledge, pair }, guides,
              { kinodynamic_rrt { longest = 3 }, kinodynamic_rrt { extend = "curves" }, kinodynamic_rrt { controls = 100 } })
@@ -163,14 +167,27 @@ struct Kinds {
   std::vector<Problem> problems;
 };
 
+/// A small model of worlds that are none of these problems, as a file has it.
+inline const std::string& gaps_model() {
+  static const std::string bytes = [] {
+    TrainingSettings settings;
+    settings.cells = 30;
+    settings.samples = 200;
+    settings.forest.trees = 5;
+    return Model::train(family(upper_gaps, 1, 4), settings, "upper gaps").bytes();
+  }();
+  return bytes;
+}
+
 /// The paths that guides of experience retrieve.
 inline std::string paths_of(const Folder& folder) { return folder.file("paths.db"); }
 
-/// \param folder  gets the files of robots, and has the paths that guides of experience retrieve (store_paths)
-/// \param more  further problems: a list in Lua
+/// \param folder  gets the files of robots and a model, and has the paths that guides of experience retrieve
+/// (store_paths) \param more  further problems: a list in Lua
 inline Kinds load_kinds(const std::string& program, const Folder& folder, const std::string& more = "{}") {
   static_cast<void>(folder.write("six.urdf", six_joints));
   static_cast<void>(folder.write("six.srdf", six_joints_srdf));
+  static_cast<void>(folder.write("gaps.model", gaps_model()));
   dsl::Session session(folder.path().string());
   const dsl::Program loaded = session.load("local more = " + more + kinds_head + program, "kinds.lua");
   Kinds kinds;

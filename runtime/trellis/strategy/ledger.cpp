@@ -118,9 +118,7 @@ Slice Ledger::slice() const {
   return slice;
 }
 
-bool Ledger::goes_on(Advance ready) const {
-  return has_companion_ && ready == Advance::unfinished && !run_.ledger.ending();
-}
+bool Ledger::goes_on(Advance ready) const { return has_companion_ && ready == Advance::unfinished; }
 
 void Ledger::close(Advance ready) {
   // A permanently refuted guide draws no more proposals.

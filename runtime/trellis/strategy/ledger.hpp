@@ -84,7 +84,7 @@ class Ledger {
   /// What the levels below may spend before they pause.
   [[nodiscard]] Slice slice() const;
   /// Whether h continues to search though a search below has not ended: beside a companion, which draws the planner's
-  /// own proposals.
+  /// own proposals. This ends with the run: each search that is begun then ends at its first step.
   [[nodiscard]] bool goes_on(Advance ready) const;
   /// Decides whether the guide draws this proposal.
   /// \param ready  what h answered
