@@ -51,6 +51,7 @@
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
 #include "call.hpp"
+#include "language.hpp"
 #include "sampler.hpp"
 
 namespace py = pybind11;
@@ -323,6 +324,20 @@ py::dict named_strategies(const Script& script) {
   return found;
 }
 
+LanguagePlace language_place() {
+  return {.interruptibly = [](const std::function<void()>& body) { interruptibly(body); },
+          .stopped = Call::is_stopped,
+          .problem = [](Problem problem) { return py::cast(std::make_shared<CheckedProblem>(std::move(problem))); },
+          .experiment =
+              [](dsl::Program program) {
+                return py::cast(std::make_shared<Script>(Script{"", std::move(program)}));
+              },
+          .problem_of = [](py::handle object) -> const Problem* {
+            if (!py::isinstance<CheckedProblem>(object)) return nullptr;
+            return &object.cast<const CheckedProblem&>().problem();
+          }};
+}
+
 // Runs
 // -----------------------------------------------------------------------------------------------------------------------
 
@@ -529,7 +544,8 @@ PYBIND11_MODULE(_trellis, m) {
           "__eq__", [](const GuideSpec& a, const GuideSpec& b) { return a == b; }, py::is_operator())
       .def("__hash__", [](const GuideSpec& spec) { return std::hash<std::string>()(spec.text()); });
 
-  py::class_<CheckedProblem, std::shared_ptr<CheckedProblem>>(m, "Problem", "A world, a robot, a start and goals.")
+  py::class_<CheckedProblem, std::shared_ptr<CheckedProblem>>(m, "Problem", py::dynamic_attr(),
+                                                              "A world, a robot, a start and goals.")
       .def_property_readonly("name", [](const CheckedProblem& p) { return p.problem().name; })
       .def_property_readonly("names", [](const CheckedProblem& p) { return of_axes(p, &trellis::Axis::name); })
       .def_property_readonly("lo", [](const CheckedProblem& p) { return of_axes(p, &trellis::Axis::lo); })
@@ -554,6 +570,10 @@ PYBIND11_MODULE(_trellis, m) {
       .def_property_readonly("seeds", [](const Script& s) { return s.program.experiment.seeds; })
       .def_property_readonly("measured", [](const Script& s) { return s.program.experiment.measure.has_value(); })
       .def_property_readonly("warnings", [](const Script& s) { return s.program.warnings; })
+      .def("run",
+           [](const py::object& script, const py::args& given, const py::kwargs& named) {
+             return py::module_::import("trellis").attr("run")(script, *given, **named);
+           })
       .def("__repr__", [](const Script& s) { return "<trellis.Script '" + s.path + "'>"; });
 
   m.def("load", &load, py::arg("path"), py::arg("trust"), py::arg("seed"));
@@ -593,4 +613,10 @@ PYBIND11_MODULE(_trellis, m) {
   });
   m.def("measure", &measure, py::arg("case"), py::arg("folder"), py::arg("samples"), py::arg("estimator"),
         py::arg("valid"));
+  m.def("named", [](const CheckedProblem& problem, std::string name) {
+    Problem renamed = problem.problem();
+    renamed.name = std::move(name);
+    return std::make_shared<CheckedProblem>(std::move(renamed));
+  });
+  add_language(m, language_place());
 }

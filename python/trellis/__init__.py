@@ -6,6 +6,9 @@
     result = trellis.run(script.strategies["nested"], script.problems["false_gaps"], seeds=10)
     print(result.runs[["seed", "solved", "validity_checks"]])
 
+    from trellis import lazy, rrt, scenes, skeleton       # every word of the language
+    trellis.run(skeleton() >> lazy() >> rrt(step=0.5), scenes.trap(), seeds=10)
+
     recorder = trellis.Recorder(lo=[0, 0], hi=[10, 10])
     recorder.add(samples)                      # of any planner: an array of N rows
     print(recorder.measure(path, delta=0.5))   # SE_T(Q), mass and spread, with intervals
@@ -23,8 +26,9 @@ if TYPE_CHECKING:
     from . import figures
     from ._recorder import Measurement, Recorder, measure
     from ._sampler import Draw, Sampler
-    from ._scripts import Result, guide, load, problem, problems, run, script, strategy
-    from ._trellis import Error, Guide, Problem, Script, Strategy, commit, version
+    from ._scripts import Result, experiment, guide, load, problem, problems, run, script, strategy
+    from ._trellis import Error, Guide, Problem, Script, Strategy, Value, commit, version
+    from ._words import *
 
     __version__: str
 
@@ -39,7 +43,9 @@ __all__ = [
     "Sampler",
     "Script",
     "Strategy",
+    "Value",
     "commit",
+    "experiment",
     "guide",
     "load",
     "measure",
@@ -53,13 +59,13 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Loads what a name needs: `figures`, which needs no compiled module, or all others."""
+    """Loads what a name needs: `figures`, which needs no compiled module, or all others, which are words or not."""
     import importlib
 
     if name == "figures":
         return importlib.import_module(".figures", __name__)
     if name not in __all__ and name != "__version__":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return _word(name)
     try:
         importlib.import_module("._trellis", __name__)
     except ModuleNotFoundError as missing:
@@ -77,5 +83,29 @@ def __getattr__(name: str) -> Any:
     return globals()[name]
 
 
+def _word(name: str) -> Any:
+    """The word of the language of this name."""
+    import difflib
+    import importlib
+
+    words: List[str] = []
+    if not name.startswith("_"):
+        try:
+            module = importlib.import_module("._words", __name__)
+        except ImportError as missing:
+            raise AttributeError(f"module {__name__!r} has no {name!r} without its compiled part: {missing}") from missing
+        if hasattr(module, name):
+            return getattr(module, name)
+        words = module.__all__
+    near = difflib.get_close_matches(name, [*words, *__all__], 1)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}" + (f" (did you mean '{near[0]}'?)" if near else ""))
+
+
 def __dir__() -> List[str]:
-    return sorted({*globals(), *__all__, "__version__", "figures"})
+    import importlib
+
+    try:
+        words = importlib.import_module("._words", __name__).__all__
+    except ImportError:
+        words = []
+    return sorted({*globals(), *__all__, *words, "__version__", "figures"})

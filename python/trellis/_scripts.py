@@ -5,14 +5,15 @@ from __future__ import annotations
 import difflib
 import html
 import json
+import operator
 import os
 import re
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, SupportsIndex, Tuple, Union
 
 from . import _trellis
 from .columns import rows
-from ._trellis import Error, Guide, Problem, Script, Strategy
+from ._trellis import Error, Guide, Problem, Script, Strategy, Value
 
 if TYPE_CHECKING:
     import pandas
@@ -44,24 +45,31 @@ def script(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".", trust: bo
     return _trellis.load_text(text, os.fspath(folder), trust, seed)
 
 
-def strategy(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> Strategy:
-    """Returns the strategy that an expression describes: `strategy("skeleton() >> rrt { step = 0.5 }")`.
+def _text(what: str, text: Any) -> str:
+    if not isinstance(text, str):
+        raise Error(f"{what}: an expression in the language is a text, got {text!r}")
+    return text
+
+
+def strategy(text: Union[str, Strategy], *, folder: Union[str, "os.PathLike[str]"] = ".") -> Strategy:
+    """Returns the strategy that an expression describes: `strategy("skeleton() >> rrt { step = 0.5 }")`. A strategy is
+    returned as it is.
 
     folder: where files that it names lie (default the current folder).
 
     Raises `trellis.Error` for unknown names, options out of range, and for anything that is no strategy.
     """
-    return _trellis.strategy(text, os.fspath(folder))
+    return text if isinstance(text, Strategy) else _trellis.strategy(_text("strategy", text), os.fspath(folder))
 
 
-def guide(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> Guide:
-    """Returns the guide that an expression describes: `guide("skeleton() >> lazy()")`.
+def guide(text: Union[str, Guide], *, folder: Union[str, "os.PathLike[str]"] = ".") -> Guide:
+    """Returns the guide that an expression describes: `guide("skeleton() >> lazy()")`. A guide is returned as it is.
 
     folder: where files that it names lie (default the current folder).
 
     Raises `trellis.Error` for unknown names, options out of range, and for anything that is no guide.
     """
-    return _trellis.guide(text, os.fspath(folder))
+    return text if isinstance(text, Guide) else _trellis.guide(_text("guide", text), os.fspath(folder))
 
 
 def problems(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> List[Problem]:
@@ -72,15 +80,33 @@ def problems(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> List
     return _trellis.problems(text, os.fspath(folder))
 
 
-def problem(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> Problem:
-    """The same for one problem: `problem("scenes.trap()")`.
+def problem(text: Optional[str] = None, *, folder: Union[str, "os.PathLike[str]"] = ".", **fields: Any) -> Problem:
+    """Returns a problem: of its parts, as the word of the language, or of an expression.
 
-    Raises `trellis.Error` also where there are several.
+        problem(world=world(bounds=[0, 0, 10, 10]), robot=robot.disc(0.2), start=[1, 1], goal=[9, 9])
+        problem("scenes.trap()")
+
+    text:   an expression that gives one problem.
+    folder: where files that it names lie (default the current folder).
+    fields: in place of `text`: name, world, robot, start, goal, ...; `trellis.help("problem")` describes each.
+
+    Raises `trellis.Error` also where an expression gives several problems.
     """
-    found = problems(text, folder=folder)
+    if text is None or fields:
+        if text is not None:
+            raise Error("problem: takes an expression, or parts by name; got both")
+        made: Problem = _trellis.call("problem", (), fields)
+        return made
+    found = problems(_text("problem", text), folder=folder)
     if len(found) != 1:
         raise Error(f"problem: the expression gives {len(found)} problems; call problems()")
+    place = os.path.abspath(folder)
+    setattr(found[0], "_made_by", lambda: (_problem, (text, place)))  # for pickle
     return found[0]
+
+
+def _problem(text: str, folder: str) -> Problem:
+    return problem(text, folder=folder)
 
 
 def _flat(entry: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:
@@ -239,7 +265,8 @@ class Result:
 def _seeds(seeds: Union[None, int, Iterable[int]], otherwise: List[int]) -> List[int]:
     if seeds is None:
         return otherwise
-    if isinstance(seeds, int) and not isinstance(seeds, bool):
+    if isinstance(seeds, SupportsIndex) and not isinstance(seeds, bool) and getattr(seeds, "ndim", 0) == 0:
+        seeds = operator.index(seeds)  # also numbers of numpy
         if seeds < 1:
             raise Error(f"seeds: as a number it must be at least 1, got {seeds}")
         return list(range(1, seeds + 1))
@@ -252,39 +279,92 @@ def _seeds(seeds: Union[None, int, Iterable[int]], otherwise: List[int]) -> List
     return [int(seed) for seed in listed]
 
 
-Strategies = Union[Strategy, str, Mapping[str, Union[Strategy, str]]]
-Problems = Union[None, Problem, str, Sequence[Union[Problem, str]]]
+Strategies = Union[Strategy, str, Mapping[str, Union[Strategy, str]], Sequence[Union[Strategy, str]]]
+Problems = Union[None, Problem, str, Sequence[Union[Problem, str]], Mapping[str, Union[Problem, str]]]
 
 
-def _strategies(what: Strategies) -> List[Tuple[str, Strategy]]:
-    named: Mapping[str, Union[Strategy, str]] = what if isinstance(what, Mapping) else {"strategy": what}
+def _strategies(of: str, what: Strategies) -> List[Tuple[str, Strategy]]:
+    """The strategies by name. Those of a list have their texts as names, as in the language."""
+    if isinstance(what, Mapping):
+        pairs: List[Tuple[Optional[str], Any]] = list(what.items())
+    elif isinstance(what, (list, tuple)):
+        pairs = [(None, spec) for spec in what]
+    else:
+        pairs = [("strategy", what)]
     made: List[Tuple[str, Strategy]] = []
-    for name, spec in named.items():
+    for name, spec in pairs:
         if isinstance(spec, str):
             spec = strategy(spec)
+        if isinstance(spec, Guide):
+            raise Error(f"{of}: '{spec}' is a guide, which plans nothing; a strategy ends with a planner: {spec} >> rrt()")
         if not isinstance(spec, Strategy):
-            raise Error(f"run: '{name}' must be a strategy, got {spec!r}")
-        made.append((name, spec))
+            raise Error(f"{of}: '{name}' must be a strategy, got {spec!r}" if name else f"{of}: a strategy is expected, got {spec!r}")
+        made.append((str(spec) if name is None else name, spec))
     return made
 
 
-def _problems(given: Problems, of: Dict[str, Problem]) -> List[Problem]:
+def _problems(of: str, given: Problems, there: Dict[str, Problem]) -> List[Problem]:
+    """The problems: of a script those that are named, all for None; else those given, under the names of a dict."""
     if given is None:
-        if not of:
-            raise Error("run: a strategy needs a problem")
-        return list(of.values())
+        if not there:
+            raise Error(f"{of}: a strategy needs a problem")
+        return list(there.values())
+    if isinstance(given, Mapping):
+        return [_trellis.named(one, name) for name, one in zip(given, _problems(of, list(given.values()), there))]
+    if not isinstance(given, (Problem, str, Iterable)):
+        raise Error(f"{of}: a problem is expected, got {given!r}")
     listed = [given] if isinstance(given, (Problem, str)) else list(given)
     found: List[Problem] = []
     for one in listed:
         if isinstance(one, str):
-            if of and one not in of:
-                raise Error(f"run: the script has no problem '{one}'; it has: {', '.join(of)}")
-            found.append(of[one] if of else problem(one))
+            if there and one not in there:
+                raise Error(f"{of}: the script has no problem '{one}'; it has: {', '.join(there)}")
+            found.append(there[one] if there else problem(one))
         elif isinstance(one, Problem):
             found.append(one)
+        elif isinstance(one, (list, tuple)):
+            found.extend(_problems(of, one, there))  # of a file
         else:
-            raise Error(f"run: a problem is expected, got {one!r}")
+            raise Error(f"{of}: a problem is expected, got {one!r}")
     return found
+
+
+def experiment(
+    problems: Problems,
+    strategies: Strategies,
+    seeds: Union[None, int, Iterable[int]] = None,
+    *,
+    measure: Union[None, bool, Value] = None,
+    baseline: Optional[str] = None,
+    **options: Any,
+) -> Script:
+    """Prepares problems x strategies x seeds, as `experiment { ... }` of the language; `run()` of what it returns plans,
+    as `trellis.run` does.
+
+        experiment(problems=[scenes.trap(), scenes.cup()], strategies={"rrt": rrt(), "guided": skeleton() >> rrt()},
+                   baseline="rrt", seeds=20, measure=tube(delta=0.5)).run(jobs=4)
+
+    problems:   a problem, a list of them, or a dict, whose keys are then their names. Expressions in the language serve
+                as problems and strategies, too.
+    strategies: a dict of strategies by name, or a list, whose strategies have their texts as names.
+    seeds:      N for the seeds 1 to N, or a list of integers in [0, 2^63) (default 1).
+    measure:    what samples are measured against, as tube(delta=0.5), or False (default tube()).
+    baseline:   the strategy to compare the others with, by name (default the first without a guide).
+    options:    the others of `trellis.help("experiment")`: ablate, ablation, groups, shortcut, cross, ...
+
+    Raises `trellis.Error` for each fault.
+    """
+    fields: Dict[str, Any] = dict(options)
+    fields["problems"] = _problems("experiment", problems, {})
+    fields["strategies"] = [[name, spec] for name, spec in _strategies("experiment", strategies)]
+    if seeds is not None:
+        fields["seeds"] = seeds if "seed" in options else _seeds(seeds, [])
+    if measure is not None and measure is not True:
+        fields["measure"] = measure
+    if baseline is not None:
+        fields["baseline"] = baseline
+    made: Script = _trellis.call("experiment", (), fields)
+    return made
 
 
 def run(
@@ -294,7 +374,7 @@ def run(
     *,
     strategy: Union[None, str, Sequence[str]] = None,
     baseline: Optional[str] = None,
-    measure: bool = True,
+    measure: Union[None, bool, Value] = None,
     jobs: int = 1,
     threads: int = 1,
     ablation: Optional[float] = None,
@@ -305,14 +385,16 @@ def run(
     """Plans, scores the samples of each level, and returns the results. The same seeds give the same results, and those
     of `trellis run`, except for times.
 
-    what:     a script (`load`, `script`); or a strategy, or several by name: {"rrt": a, "guided": b}. An expression in
-              the language serves as a strategy.
-    problem:  of a script the names of some of its problems (default all); else a problem, an expression, or a list.
+    what:     a script (`load`, `script`, `experiment`); or a strategy, several by name: {"rrt": a, "guided": b}, or a
+              list. An expression in the language serves as a strategy.
+    problem:  of a script the names of some of its problems (default all); else a problem, an expression, a list, or a
+              dict, whose keys are then their names.
     seeds:    N for the seeds 1 to N, or a list of integers in [0, 2^63) (default the script's; of a strategy 1).
     strategy: of a script the names of some of its strategies (default all).
     baseline: the strategy to compare the others with, by name (default the script's; else the first without a guide).
-    measure:  whether samples are scored (default True: as the script says, and within a tube about the path for a
-              strategy). Without it there are no values in nats.
+    measure:  whether samples are scored, which takes longer than planning: of a script False where it shall not (by
+              default it is as the script says); of a strategy True for a tube about the path, or what they are measured
+              against, as tube(delta=0.5) (default False). Without it there are no values in nats.
     jobs:     runs at the same time, in [1, 1024] (default 1, so that their times compare).
     threads:  threads of each run, in [1, 1024] (default 1): they compute ahead for searches without a guide.
     ablation: the work for the runs without each guide that decide which guide pays, as a multiple of the work of all
@@ -333,25 +415,37 @@ def run(
         raise Error(f"ablation must be at least 0, got {ablation!r}")
     if cross is not None and not cross >= 0:
         raise Error(f"cross must be at least 0, got {cross!r}")
-    of = what if isinstance(what, Script) else None
+    if measure is not None and not isinstance(measure, (bool, Value)):
+        raise Error(f"run: measure is True, False, or a target, as tube(delta=0.5), got {measure!r}")
+    if isinstance(measure, Value):
+        if isinstance(what, Script):
+            raise Error("run: a script says what its samples are measured against; measure=False leaves it out")
+        if strategy is not None:
+            raise Error("run: `strategy` chooses among the strategies of a script")
+        what = experiment(_problems("run", problem, {}), dict(_strategies("run", what)), seeds, measure=measure, ablation=0)
+        problem = None
+        seeds = None
     if isinstance(what, Script):
+        of: Optional[Script] = what
         there = what.strategies
         names = list(there) if strategy is None else [strategy] if isinstance(strategy, str) else list(strategy)
         for name in names:
             if name not in there:
                 raise Error(f"run: the script has no strategy '{name}'; it has: {', '.join(there)}")
         chosen = [(name, there[name]) for name in names]
-        where = _problems(problem, what.problems)
+        where = _problems("run", problem, what.problems)
         which = _seeds(seeds, what.seeds)
-        measure = measure and what.measured
+        measured = measure is not False and what.measured
     else:
         if strategy is not None:
             raise Error("run: `strategy` chooses among the strategies of a script")
-        chosen = _strategies(what)
-        where = _problems(problem, {})
+        of = None
+        chosen = _strategies("run", what)
+        where = _problems("run", problem, {})
         which = _seeds(seeds, [1])
+        measured = measure is True
     document, text, warned = _trellis.run(
-        of, chosen, where, which, baseline, measure, jobs, threads, ablation, cross,
+        of, chosen, where, which, baseline, measured, jobs, threads, ablation, cross,
         None if samples is None else os.fspath(samples), progress
     )
     for sentence in warned:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT-0
 """Types of the native part. The functions are those that the package calls; call the package's own."""
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union, overload
 
 class Error(Exception):
     """What Trellis reports of an input: a script, a problem, samples."""
@@ -13,15 +13,47 @@ class Strategy:
 
     def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
+    def tree(self) -> str:
+        """The hierarchy as a tree of text, a line for each level."""
+    def json(self) -> str:
+        """The hierarchy as JSON, with every option."""
+    def hash(self) -> str:
+        """16 hexadecimal digits, equal for equal strategies."""
 
 class Guide:
-    """A guide, or a hierarchy or combination of guides. Immutable; `str` gives it in the language."""
+    """A guide, or a hierarchy or combination of guides. Immutable; `str` gives it in the language.
+
+    `a >> b` guides b by a, `0.7 * a + 0.3 * b` mixes; `sequence(a, b)` is what the language writes as a .. b.
+    """
 
     def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
+    @overload
+    def __rshift__(self, guided: Guide) -> Guide: ...
+    @overload
+    def __rshift__(self, guided: Strategy) -> Strategy: ...
+    def __add__(self, other: Guide) -> Guide: ...
+    def __mul__(self, weight: float) -> Guide: ...
+    def __rmul__(self, weight: float) -> Guide: ...
+
+class Value:
+    """A value of the language of another type, as a world, a robot or a target. Immutable.
+
+    Its members are those of the language: `world.obstacles`, `robot.scaled(0.5)`.
+    """
+
+    def __eq__(self, other: object) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getattr__(self, name: str) -> Any: ...
+    def __call__(self, *given: Any, **named: Any) -> Any: ...
 
 class Problem:
-    """A world, a robot, a start, and goals. Immutable."""
+    """A world, a robot, a start, and goals. Immutable.
+
+    It has the members of the language, too: `problem.world`, `problem.robot`.
+    """
+
+    def __getattr__(self, name: str) -> Any: ...
 
     @property
     def name(self) -> str: ...
@@ -94,6 +126,8 @@ class Script:
         """Whether its experiment scores samples."""
     @property
     def warnings(self) -> List[str]: ...
+    def run(self, *given: Any, **named: Any) -> Any:
+        """The results of `trellis.run(script, ...)`."""
 
 def version() -> str:
     """The version of Trellis."""
@@ -101,6 +135,10 @@ def version() -> str:
 def commit() -> str:
     """The commit of its sources, "" where they were no git repository."""
 
+def words() -> List[Dict[str, Any]]: ...
+def help_text(name: str) -> str: ...
+def call(name: str, given: Tuple[Any, ...], named: Dict[str, Any]) -> Any: ...
+def named(problem: Problem, name: str) -> Problem: ...
 def load(path: str, trust: bool, seed: int) -> Script: ...
 def load_text(text: str, folder: str, trust: bool, seed: int) -> Script: ...
 def strategy(text: str, folder: str) -> Strategy: ...

@@ -632,9 +632,10 @@ TEST_CASE("the program writes its words out for other programs") {
   CHECK(place.run({"reference", "markdown"}).out == place.run({"reference"}).out);
   CHECK(place.run({"reference", "stubs"}).out.starts_with("---@meta\n"));
   CHECK(place.run({"reference", "luacheck"}).out.find("stds.trellis = {") != std::string::npos);
+  CHECK(place.run({"reference", "python"}).out.find("\ndef shrink(") != std::string::npos);
   CHECK(place.run({"reference", "stub"}).err ==
         "trellis: reference: no form 'stub' (did you mean 'stubs'?); there are: markdown, catalogue, stubs, luacheck, "
-        "words, man, bash, fish, zsh\n");
+        "python, words, man, bash, fish, zsh\n");
 }
 
 TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {

@@ -125,7 +125,7 @@ class Scripts(Folder):
         guided = trellis.strategy("skeleton() >> rrt { step = 0.5 }")
         self.assertEqual(guided, trellis.script(GAPS).strategies["guided"])
         both = {"plain": "rrt { step = 0.5 }", "guided": guided}
-        result = trellis.run(both, trellis.problem("scenes.trap()"), seeds=2, baseline="plain")
+        result = trellis.run(both, trellis.problem("scenes.trap()"), seeds=2, baseline="plain", measure=True)
         self.assertEqual(len(result.document["runs"]), 4)
         self.assertIn("÷ plain's", str(result))
         self.assertTrue(math.isfinite(result.document["measure"]["SE"][0]))

@@ -167,9 +167,11 @@ TEST_CASE("what is committed of the registry is what it says: scripts/reference 
   const bool markdown = content(source / "docs/reference.md") == dsl::reference_markdown();
   const bool catalogue = content(source / "docs/catalogue.md") == dsl::catalogue_markdown();
   const bool luacheck = content(source / ".luacheckrc") == dsl::reference_luacheck();
+  const bool python = content(source / "python/trellis/_words.pyi") == dsl::reference_python();
   CHECK(markdown);
   CHECK(catalogue);
   CHECK(luacheck);
+  CHECK(python);
 }
 
 TEST_CASE("the stubs are Lua, and give every word and option") {

@@ -27,8 +27,8 @@ std::string names_of_words() {
 
 /// The formats of the printed words; the first is the default.
 const std::vector<std::string>& forms() {
-  static const std::vector<std::string> all = {"markdown", "catalogue", "stubs", "luacheck", "words",
-                                               "man",      "bash",      "fish",  "zsh"};
+  static const std::vector<std::string> all = {"markdown", "catalogue", "stubs", "luacheck", "python",
+                                               "words",    "man",       "bash",  "fish",     "zsh"};
   return all;
 }
 
@@ -41,6 +41,8 @@ int reference(const std::string& form, const CLI::App& app) {
     print_all(dsl::reference_stubs());
   } else if (form == "luacheck") {
     print_all(dsl::reference_luacheck());
+  } else if (form == "python") {
+    print_all(dsl::reference_python());
   } else if (form == "words") {
     print_all(names_of_words());
   } else if (form == "man") {
@@ -62,7 +64,8 @@ void add_reference(CommandLine& line) {
                              [form, &line] { return reference(*form, line.app()); });
   verb.optional_argument(
       "FORM", fmt::format("{}", fmt::join(forms(), "|")), *form,
-      "markdown (the default), stubs for lua-language-server, luacheck's configuration, words, one a line; "
+      "markdown (the default), stubs for lua-language-server, luacheck's configuration, stubs for Python, words, "
+      "one a line; "
       "of the command line: man, the manual page, or the completion for bash, fish or zsh");
 }
 
