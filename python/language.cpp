@@ -5,6 +5,8 @@
 #include "language.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -12,6 +14,8 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -26,6 +30,8 @@
 #include <dsl/lua/state.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/pictures/scenery.hpp>
 
 namespace py = pybind11;
 
@@ -85,6 +91,61 @@ struct Node {
       value;
 };
 
+bool is_word(std::string_view name) {
+  return std::any_of(dsl::words().begin(), dsl::words().end(),
+                     [&](const dsl::Word& word) { return word.name == name; });
+}
+
+/// The position of the brace that closes the one at `open`; npos: none does.
+std::size_t closing_brace(std::string_view text, std::size_t open) {
+  int depth = 0;
+  for (std::size_t i = open; i < text.size(); ++i) {
+    if (text[i] == '{') ++depth;
+    if (text[i] == '}' && --depth == 0) return i;
+  }
+  return std::string_view::npos;
+}
+
+/// A message of the language with its calls as Python writes them: rrt { step = 0.5 } is rrt(step=0.5).
+/// \param inside  of a call, where braces are lists
+std::string in_python(std::string_view text, bool inside = false) {
+  constexpr std::string_view assigned = " = ";
+  std::string written;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (inside && text.substr(i).starts_with(assigned)) {
+      written += '=';
+      i += assigned.size() - 1;
+      continue;
+    }
+    const std::size_t end = text[i] == '{' ? closing_brace(text, i) : std::string_view::npos;
+    if (end == std::string_view::npos) {
+      written += text[i];
+      continue;
+    }
+    const std::size_t stop = written.ends_with(' ') ? written.size() - 1 : written.size();
+    std::size_t begin = stop;
+    const auto in_name = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
+    };
+    while (begin > 0 && in_name(written[begin - 1])) --begin;
+    const bool call = is_word(std::string_view(written).substr(begin, stop - begin));
+    if (!call && !inside) {
+      written += text[i];
+      continue;
+    }
+    std::string_view content = text.substr(i + 1, end - i - 1);
+    while (content.starts_with(' ')) content.remove_prefix(1);
+    while (content.ends_with(' ')) content.remove_suffix(1);
+    if (call) written.resize(stop);
+    const bool fields = !call && content.find(assigned) != std::string_view::npos;
+    written += call ? "(" : fields ? "dict(" : "[";
+    written += in_python(content, true);
+    written += call || fields ? ")" : "]";
+    i = end;
+  }
+  return written;
+}
+
 /// The interpreter of the process. Threads use it one after the other.
 class Language {
  public:
@@ -102,7 +163,9 @@ class Language {
 
   /// Calls what `push` pushes with the arguments, and returns the results. Ctrl-C ends a slow call at any time, a quick
   /// one has no thread of its own.
-  py::object call(const std::function<void(lua::Stack&)>& push, const std::vector<Node>& arguments, Pace pace) {
+  /// \param frame  of Python that warnings are about: 1 is the innermost
+  py::object call(const std::function<void(lua::Stack&)>& push, const std::vector<Node>& arguments, Pace pace,
+                  int frame = 1) {
     std::vector<Node> results;
     std::vector<std::string> warnings;
     std::string printed;
@@ -122,15 +185,19 @@ class Language {
       warnings = session.take_warnings();
       printed = printed_;
     };
-    if (pace == Pace::slow) {
-      place_.interruptibly(body);
-    } else {
-      const py::gil_scoped_release released;
-      body();
+    try {
+      if (pace == Pace::slow) {
+        place_.interruptibly(body);
+      } else {
+        const py::gil_scoped_release released;
+        body();
+      }
+    } catch (const Error& error) {
+      throw Error(in_python(error.what()));
     }
     if (!printed.empty()) py::print(printed, py::arg("end") = "");
     for (const std::string& warning : warnings) {
-      if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+      if (PyErr_WarnEx(PyExc_UserWarning, in_python(warning).c_str(), frame) != 0) throw py::error_already_set();
     }
     if (results.empty()) return py::none();
     if (results.size() == 1) return object_of(results.front());
@@ -470,7 +537,7 @@ py::object call_word(const std::string& name, const py::args& given, const py::k
     }
   }
   const auto pace = word.kind < dsl::Word::Kind::constructor ? Language::Pace::quick : Language::Pace::slow;
-  const py::object made = Language::one().call([&](lua::Stack& stack) { push_word(stack, name); }, all, pace);
+  const py::object made = Language::one().call([&](lua::Stack& stack) { push_word(stack, name); }, all, pace, 2);
   const auto recipe = std::make_shared<const Recipe>(Recipe{name, all});
   if (py::isinstance<ValueObject>(made)) {
     made.cast<const ValueObject&>().held->recipe = recipe;
@@ -478,6 +545,22 @@ py::object call_word(const std::string& name, const py::args& given, const py::k
     py::setattr(made, recipe_of_problem, py::cpp_function([recipe] { return reduced(*recipe); }));
   }
   return made;
+}
+
+/// Whether two problems are alike in all but what made them. Those with motion models are only where they share it.
+bool same_problem(const Problem& a, const Problem& b) {
+  const auto numbers = [](const Problem& p) {
+    return std::tie(p.name, p.start, p.goals, p.goal_tolerance, p.resolution, p.contact_tolerance, p.collision,
+                    p.motion_model);
+  };
+  if (numbers(a) != numbers(b) || a.space.factors() != b.space.factors()) return false;
+  const auto scenery = [](const Problem& p) {
+    trellis::Experiment experiment;
+    experiment.problems = {p};
+    return trellis::scenery_of(experiment);
+  };
+  const trellis::Scenery left = scenery(a), right = scenery(b);
+  return std::tie(left.worlds, left.robots, left.scenes) == std::tie(right.worlds, right.robots, right.scenes);
 }
 
 /// Applies an operator of Lua; NotImplemented for an operand that is no value of the language.
@@ -518,6 +601,19 @@ py::object member(const py::object& of, const std::string& name) {
         return Language::one().call([&](lua::Stack& stack) { held->push(stack); }, all, Language::Pace::slow);
       },
       py::name(name.c_str()));
+}
+
+std::string to_text(const py::object& value);
+
+/// Equal by the language, by the calls that made them, or targets with the same text.
+py::object equal_values(const py::object& a, const py::object& b) {
+  const py::object equal = operate("a == b", a, b);
+  if (!py::isinstance<ValueObject>(b) || equal.is(py::bool_(true))) return equal;
+  const StoredValue& left = *a.cast<const ValueObject&>().held;
+  const StoredValue& right = *b.cast<const ValueObject&>().held;
+  if (left.kind() != right.kind()) return py::bool_(false);
+  if (left.recipe && right.recipe && reduced(*left.recipe).equal(reduced(*right.recipe))) return py::bool_(true);
+  return py::bool_(left.kind() == "a target" && to_text(a) == to_text(b));
 }
 
 std::string to_text(const py::object& value) {
@@ -578,7 +674,7 @@ void add_language(py::module_& module, LanguagePlace place) {
       .def(
           "__repr__",
           [](const py::object& self) { return "<trellis.Value " + self.cast<const ValueObject&>().held->kind() + ">"; })
-      .def("__eq__", [](const py::object& a, const py::object& b) { return operate("a == b", a, b); })
+      .def("__eq__", &equal_values)
       .def("__hash__", [](const py::object& self) { return py::hash(py::str(to_text(self))); })
       .def("__call__", [](const ValueObject& self, const py::args& given, const py::kwargs& named) {
         return Language::one().call([&](lua::Stack& stack) { self.held->push(stack); },
@@ -587,7 +683,17 @@ void add_language(py::module_& module, LanguagePlace place) {
   add_operators(value);
   add_members(value);
   for (const char* name : {"Guide", "Strategy"}) add_operators(module.attr(name));
-  add_members(module.attr("Problem"));
+  const py::object problem = module.attr("Problem");
+  add_members(problem);
+  add_method(problem, "__eq__", [](const py::object& a, const py::object& b) -> py::object {
+    const auto& problem_of = Language::one().place().problem_of;
+    const Problem* other = problem_of(b);
+    if (other == nullptr) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+    return py::bool_(a.is(b) || same_problem(*problem_of(a), *other));
+  });
+  add_method(problem, "__hash__", [](const py::object& self) {
+    return std::hash<std::string>()(Language::one().place().problem_of(self)->name);
+  });
   const py::object strategy = module.attr("Strategy");
   add_method(strategy, "tree", &StrategySpec::tree);
   add_method(strategy, "json", &StrategySpec::json);
@@ -600,10 +706,9 @@ void add_language(py::module_& module, LanguagePlace place) {
     if (!recipe) refuse_pickle(self);
     return reduced(*recipe);
   });
-  add_method(module.attr("Strategy"), "__reduce__",
-             [](const py::object& self) { return reduced_text(self, "strategy"); });
+  add_method(strategy, "__reduce__", [](const py::object& self) { return reduced_text(self, "strategy"); });
   add_method(module.attr("Guide"), "__reduce__", [](const py::object& self) { return reduced_text(self, "guide"); });
-  add_method(module.attr("Problem"), "__reduce__", [](const py::object& self) -> py::object {
+  add_method(problem, "__reduce__", [](const py::object& self) -> py::object {
     if (!py::hasattr(self, recipe_of_problem)) refuse_pickle(self);
     return self.attr(recipe_of_problem)();
   });

@@ -48,6 +48,12 @@ def script(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".", trust: bo
 def _text(what: str, text: Any) -> str:
     if not isinstance(text, str):
         raise Error(f"{what}: an expression in the language is a text, got {text!r}")
+    if text.endswith(".lua"):
+        raise Error(f"{what}: '{text}' is a script: trellis.run(trellis.load('{text}'))")
+    if what == "problem" and text.isidentifier():
+        for word in _trellis.words():
+            if word["module"] in ("scenes", "worlds") and word["name"].endswith("." + text):
+                raise Error(f"problem: '{text}' is written {word['name']}()")
     return text
 
 
@@ -77,7 +83,7 @@ def problems(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> List
 
     Raises `trellis.Error` for unknown names, files that are not there, and for anything that is no problem.
     """
-    return _trellis.problems(text, os.fspath(folder))
+    return _trellis.problems(_text("problem", text), os.fspath(folder))
 
 
 def problem(text: Optional[str] = None, *, folder: Union[str, "os.PathLike[str]"] = ".", **fields: Any) -> Problem:
@@ -97,7 +103,8 @@ def problem(text: Optional[str] = None, *, folder: Union[str, "os.PathLike[str]"
             raise Error("problem: takes an expression, or parts by name; got both")
         made: Problem = _trellis.call("problem", (), fields)
         return made
-    found = problems(_text("problem", text), folder=folder)
+    assert text is not None
+    found = problems(text, folder=folder)
     if len(found) != 1:
         raise Error(f"problem: the expression gives {len(found)} problems; call problems()")
     place = os.path.abspath(folder)

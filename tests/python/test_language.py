@@ -295,6 +295,18 @@ class Values(unittest.TestCase):
         self.assertEqual(trellis.knn(3), trellis.knn(k=3))
         self.assertEqual(repr(trellis.rrt()), "<trellis.Strategy rrt()>")
 
+    def test_equal_problems_and_values(self):
+        self.assertEqual(trellis.scenes.trap(), trellis.problem("scenes.trap()"))
+        self.assertEqual(hash(trellis.scenes.trap()), hash(trellis.problem("scenes.trap()")))
+        self.assertEqual(trellis.worlds.maze(cells=4, seed=2), trellis.problem("worlds.maze { cells = 4, seed = 2 }"))
+        self.assertNotEqual(trellis.worlds.maze(cells=4, seed=2), trellis.worlds.maze(cells=4, seed=3, name="maze"))
+        self.assertNotEqual(trellis.scenes.trap(), trellis.scenes.trap(resolution=0.02))
+        self.assertEqual(trellis.tube(delta=0.5), trellis.tube(0.5))
+        self.assertNotEqual(trellis.tube(delta=0.5), trellis.tube(0.25))
+        self.assertEqual(trellis.box(1, 2, 3, 4), trellis.box(1, 2, 3, 4))
+        self.assertNotEqual(trellis.box(1, 2, 3, 4), trellis.box(1, 2, 3, 5))
+        self.assertEqual(len({trellis.box(1, 2, 3, 4), trellis.box(1, 2, 3, 4)}), 1)
+
     def test_copies_and_pickles(self):
         strategy = value("0.5 * skeleton() + 0.5 * shrink(0.4) >> rrt(step=0.25)")
         problem = trellis.worlds.maze(cells=4, seed=2)
@@ -305,7 +317,8 @@ class Values(unittest.TestCase):
             self.assertEqual(pickle.loads(pickle.dumps(one)), one)
         again = pickle.loads(pickle.dumps(problem))
         self.assertEqual((again.name, again.start, again.goals), (problem.name, problem.start, problem.goals))
-        self.assertEqual(pickle.loads(pickle.dumps(world)).bounds, world.bounds)
+        self.assertEqual(again, problem)
+        self.assertEqual(pickle.loads(pickle.dumps(world)), world)
         self.assertEqual(len(pickle.loads(pickle.dumps(world)).obstacles), 2)
         self.assertEqual(pickle.loads(pickle.dumps(trellis.problem("scenes.cup()"))).name, "cup")
         self.assertIs(pickle.loads(pickle.dumps(trellis.scenes.trap)), trellis.scenes.trap)
@@ -348,10 +361,10 @@ class Faults(unittest.TestCase):
         self.check("rrt(stepp=0.5)", "rrt: unknown option 'stepp' (did you mean 'step'?)")
         self.check("rrt(step='a')", "rrt: option 'step' must be a number", '"a"')
         self.check("rrt(step=-1)", "rrt: option 'step' must be a number at least")
-        self.check("shrink(0.5, 0.6)", "shrink: takes one option without a name")
+        self.check("shrink(0.5, 0.6)", "shrink: takes one option without a name", "as in shrink(name=value)")
         self.check("shrink(0.5, scale=0.6)", "given twice")
         self.check("ball([1, 1], 0.5, radius=1)", "ball: 'radius' is given twice")
-        self.check("problem(robot=robot.disc(0.2), start=[1], goal=[2])", "problem: field 'world' is missing")
+        self.check("problem(robot=robot.disc(0.2), start=[1], goal=[2])", "problem: field 'world' is missing", "world(...)")
         self.check("scenes.trap(strat=[1, 1, 0])", "did you mean 'start'")
 
     def test_values_of_other_types(self):
@@ -426,6 +439,8 @@ return experiment {
             (lambda: trellis.run(plain, trap, measure=0.1), "measure is True, False, or a target"),
             (lambda: trellis.run(trellis.skeleton(), trap), "a strategy ends with a planner"),
             (lambda: trellis.run(plain, trellis.rrt()), "a problem is expected"),
+            (lambda: trellis.run(plain, "trap"), "'trap' is written scenes.trap()"),
+            (lambda: trellis.run("own.lua", trap), "'own.lua' is a script: trellis.run(trellis.load('own.lua'))"),
             (lambda: trellis.run(self.prepared(), measure=trellis.tube()), "a script says what"),
             (lambda: trellis.experiment(trap, plain, measure=0.1), "must be a target"),
             (lambda: trellis.experiment(trap, plain, baseline="x"), "baseline"),
