@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT-0
 #pragma once
 
+#include <pybind11/pybind11.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -48,3 +50,10 @@ class Call {
     return one;
   }
 };
+
+/// Ends a thread that calls this module while Python ends. Requires the GIL.
+inline void refuse_at_exit() {
+  if (!Call::is_exiting()) return;
+  PyErr_SetNone(PyExc_SystemExit);
+  throw pybind11::error_already_set();
+}

@@ -123,6 +123,7 @@ PythonSampler::PythonSampler(const trellis::GuideSpec& guide, const trellis::Pro
 template <class Body>
 auto PythonSampler::released(const Body& body) {
   signals_->raised.reset();
+  refuse_at_exit();
   const Call running;
   try {
     const py::gil_scoped_release without;

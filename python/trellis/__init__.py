@@ -72,7 +72,7 @@ def __getattr__(name: str) -> Any:
         if missing.name != "trellis._trellis":
             raise
         raise ImportError(
-            "the compiled module of the package 'trellis' is not built for this Python: build it by `scripts/setup build "
+            "the compiled module trellis._trellis is not built for this Python: build it by `scripts/setup build "
             "python && scripts/build`, and run Python with PYTHONPATH=build/release/python, or `pip install .`. "
             "`trellis.figures` works without it"
         ) from missing

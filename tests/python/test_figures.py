@@ -2,6 +2,7 @@
 """Figures and tables of documents (trellis.figures). Environment: PYTHONPATH has the package, which needs no compiled
 module, TRELLIS the program. Exits with 77, which ctest reports as skipped, without matplotlib or pandas."""
 import importlib.util
+import csv
 import json
 import math
 import os
