@@ -228,18 +228,20 @@ class Reader {
   void check_scale(const Case& result) const {
     const double extent = result.space.diameter();
     if (result.tube.delta * most_parts >= extent) return;
-    fail(fmt::format("delta is {:g} m, which divides the {:.3g} m of the space into more than {:g} parts; expected at "
-                     "least {:.3g}",
-                     result.tube.delta, extent, most_parts, extent / most_parts));
+    fail(
+        fmt::format("delta is {:g} m, which divides the {:.3g} m of the space into more than {:g} parts; expected at "
+                    "least {:.3g}",
+                    result.tube.delta, extent, most_parts, extent / most_parts));
   }
 
   /// The memory and time of a target grow with the number of its radius along the path.
   void check_length(const Case& result) const {
     const double length = path_length(result.space, result.path);
     if (length <= most_parts_of_path * result.tube.delta) return;
-    fail(fmt::format("path is {:.4g} m long, {:.0f} times delta; expected at most {:g} times: shorten it, or choose a "
-                     "larger delta",
-                     length, length / result.tube.delta, most_parts_of_path));
+    fail(
+        fmt::format("path is {:.4g} m long, {:.0f} times delta; expected at most {:g} times: shorten it, or choose a "
+                    "larger delta",
+                    length, length / result.tube.delta, most_parts_of_path));
   }
 
   /// Returns the first column of each rotation.
