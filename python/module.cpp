@@ -51,6 +51,7 @@
 #include <trellis/scene/spatial/manipulator_scene.hpp>
 
 #include "call.hpp"
+#include "function_guide.hpp"
 #include "language.hpp"
 #include "sampler.hpp"
 
@@ -604,6 +605,7 @@ PYBIND11_MODULE(_trellis, m) {
       py::arg("script").none(true), py::arg("strategies"), py::arg("problems"), py::arg("seeds"), py::arg("baseline"),
       py::arg("measured"), py::arg("jobs"), py::arg("threads"), py::arg("ablation"), py::arg("cross"),
       py::arg("samples"), py::arg("progress"));
+  add_function_guides(m);
   PythonSampler::add_to(m);
   m.def("sampler", [](const GuideSpec& of, const CheckedProblem& problem, std::uint64_t seed, double step,
                       double uniform, double goal_bias, double grant, bool optimistic) {

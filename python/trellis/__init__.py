@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ._recorder import Measurement, Recorder, measure
     from ._sampler import Draw, Sampler
     from ._scripts import Result, experiment, guide, load, problem, problems, run, script, strategy
-    from ._trellis import Error, Guide, Problem, Script, Strategy, Value, commit, version
+    from ._trellis import Error, Guide, Known, Problem, Script, Strategy, Value, commit, version
     from ._words import *
 
     __version__: str
@@ -36,6 +36,7 @@ __all__ = [
     "Draw",
     "Error",
     "Guide",
+    "Known",
     "Measurement",
     "Problem",
     "Recorder",

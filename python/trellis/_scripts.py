@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import html
+import inspect
 import json
+import math
 import operator
 import os
 import re
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, SupportsIndex, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, SupportsIndex, Tuple, Union, overload
 
 from . import _trellis
 from .columns import rows
-from ._trellis import Error, Guide, Problem, Script, Strategy, Value
+from ._trellis import Error, Guide, Known, Problem, Script, Strategy, Value
 
 if TYPE_CHECKING:
     import pandas
@@ -68,14 +71,62 @@ def strategy(text: Union[str, Strategy], *, folder: Union[str, "os.PathLike[str]
     return text if isinstance(text, Strategy) else _trellis.strategy(_text("strategy", text), os.fspath(folder))
 
 
-def guide(text: Union[str, Guide], *, folder: Union[str, "os.PathLike[str]"] = ".") -> Guide:
+@overload
+def guide(text: Union[str, Guide], *, folder: Union[str, "os.PathLike[str]"] = ".") -> Guide: ...
+@overload
+def guide(text: Callable[[Known], Any], *, cost: float = 20e-6, name: str = "") -> Guide: ...
+@overload
+def guide(text: None = None, *, cost: float = 20e-6, name: str = "") -> Callable[[Callable[[Known], Any]], Guide]: ...
+def guide(
+    text: Union[None, str, Guide, Callable[[Known], Any]] = None,
+    *,
+    folder: Union[str, "os.PathLike[str]"] = ".",
+    cost: float = 20e-6,
+    name: str = "",
+) -> Any:
     """Returns the guide that an expression describes: `guide("skeleton() >> lazy()")`. A guide is returned as it is.
 
-    folder: where files that it names lie (default the current folder).
+    Of a function it makes a guide without a space of its own, whose h is what the function returns:
 
-    Raises `trellis.Error` for unknown names, options out of range, and for anything that is no guide.
+        @trellis.guide
+        def about_goal(known):
+            return known.rng.normal(known.goals[0], 0.3, (known.count, len(known.lo)))
+
+        trellis.run(about_goal >> rrt(), scenes.trap())
+
+    The function takes a `trellis.Known` and returns an array of shape (N, D), N of at least 1: draws in C, in their
+    order, possibly invalid; those outside of the bounds are reflected at them. It is called again when they are used,
+    for 8, 16, ... 512 draws (`known.count`); if it has read what became of proposals, also when a node was added. It
+    composes as all guides do. Runs are deterministic if the function is, with `known.rng` for its random numbers.
+    Several runs call it in turn.
+
+    folder: of an expression: where files that it names lie (default the current folder).
+    cost:   of a function: the CPU time of a call in seconds, at least 0 (default 20e-6). It counts as work, so that
+            bounded loss holds for the CPU time that is stated here.
+    name:   of a function: in reports (default its own).
+
+    Raises `trellis.Error` for unknown names, options out of range, and for anything that is no guide; in a run also for
+    what a function raises, with its line.
     """
-    return text if isinstance(text, Guide) else _trellis.guide(_text("guide", text), os.fspath(folder))
+    if text is None:
+        return functools.partial(guide, cost=cost, name=name)
+    if isinstance(text, Guide):
+        return text
+    if not callable(text) or isinstance(text, (_trellis.Strategy, _trellis.Value)):
+        return _trellis.guide(_text("guide", text), os.fspath(folder))
+    if not (isinstance(cost, (int, float)) and 0 <= cost < math.inf):
+        raise Error(f"guide: 'cost' must be a number of seconds of at least 0, got {cost!r}")
+    called = name or getattr(text, "__name__", type(text).__name__)
+    if not called.isidentifier():
+        raise Error(f"guide: 'name' must be a name, as \"about_goal\", got {called!r}")
+    global _functions
+    _functions += 1
+    identity = f"python:{getattr(text, '__module__', '')}.{getattr(text, '__qualname__', called)}:{_functions}"
+    summary = (inspect.getdoc(text) or "what its function returns").split("\n")[0]
+    return _trellis.function_guide(text, called, identity, summary, float(cost))
+
+
+_functions = 0  # guides made of functions: each is equal to itself alone
 
 
 def problems(text: str, *, folder: Union[str, "os.PathLike[str]"] = ".") -> List[Problem]:

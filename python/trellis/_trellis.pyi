@@ -142,6 +142,39 @@ def named(problem: Problem, name: str) -> Problem: ...
 def load(path: str, trust: bool, seed: int) -> Script: ...
 def load_text(text: str, folder: str, trust: bool, seed: int) -> Script: ...
 def strategy(text: str, folder: str) -> Strategy: ...
+class Known:
+    """What a function that `trellis.guide` makes a guide of may read, during its call: copies as arrays of numpy.
+
+    q:          the proposals in C so far, of shape (N, D), of all guides.
+    fate:       what became of each, of shape (N,): 0 rejected, 1 a node was added on the way, 2 at the proposal.
+    node:       the node that was added, of shape (N, D); NaN where none was.
+    blocked_at: the first configuration found invalid, of shape (N, D); NaN where none was.
+    mine:       whether this guide drew it, of shape (N,).
+    start, goals: of shape (D,) and (K, D).
+    names, lo, hi, weights: of the D coordinates.
+    count:      how many draws are wanted: any other number is allowed.
+    rng:        a generator of numpy with a seed of this call.
+    """
+
+    q: Any
+    fate: Any
+    node: Any
+    blocked_at: Any
+    mine: Any
+    start: Any
+    goals: Any
+    names: List[str]
+    lo: Any
+    hi: Any
+    weights: Any
+    count: int
+    rng: Any
+
+    def valid(self, rows: Any) -> Any:
+        """Whether configurations of shape (N, D) are valid, of shape (N,). Each counts as a validity check."""
+
+def function_guide(function: Callable[[Known], Any], name: str, identity: str, summary: str, cost: float) -> Guide: ...
+
 class Sampler:
     def draw(self, side: str) -> Tuple[int, Any, bool, Optional[int]]: ...
     def draw_many(self, n: int, side: str) -> Any: ...
