@@ -79,6 +79,9 @@ TEST_CASE("the nearest name is offered only when it is near", "[error]") {
   CHECK(nearest_name("stepp", known) == "step");
   CHECK(nearest_name("goalbias", known) == "goal_bias");
   CHECK(nearest_name("colour", known).empty());
+  // The time would grow with the square of the length.
+  const std::vector<std::string> long_names = {std::string(400'000, 'a')};
+  CHECK(nearest_name(std::string(399'999, 'a'), long_names).empty());
   CHECK(did_you_mean("unifrom", known) == " (did you mean 'uniform'?)");
 }
 

@@ -292,6 +292,7 @@ TEST_CASE("a sampler refuses what a run refuses", "[strategy][sampler]") {
   Problem blocked = problem;
   blocked.start = {1.7, 2, 0};
   CHECK_THROWS_WITH(Sampler(skeleton, blocked, 1), Contains("start"));
+  CHECK_THROWS_WITH(Sampler(skeleton, test::driven(problem), 1), Contains("motion model unicycle1"));
   Sampler sampler(skeleton, problem, 1);
   Configuration q(2);
   CHECK_THROWS_WITH(sampler.draw(q), Contains("2 coordinates"));

@@ -174,8 +174,10 @@ class OmplGuide {
  public:
   /// How the planner searches.
   enum class Search : std::uint8_t {
-    tree,    ///< one tree, as RRT: from the start
-    trees,   ///< two in turn, as RRTConnect: the first draw is for the tree from the start
+    tree,  ///< one tree, as RRT: from the start
+    /// Two in turn, as RRTConnect: the first draw is for the tree from the start. A motion to the node that a draw has
+    /// added counts as invalid, without a check, where the guide has evidence against it.
+    trees,
     roadmap  ///< as PRM: of valid states, which it connects
   };
 
@@ -237,6 +239,7 @@ class OmplGuide {
       ++draws;
       if (spent) spent(sampler.checks() - before);
       invalid.clear();
+      grown.clear();
       information->getStateSpace()->copyFromReals(out, {proposal.begin(), proposal.end()});
       drawn = reals(out);
     }
@@ -260,7 +263,13 @@ class OmplGuide {
       const bool goal =
           search == Search::trees && near != no_node && (near == sampler.root(Side::goal) || of_goal[near]);
       sampler.accepted(id, to, near, reached, true, goal ? Side::goal : Side::start);
+      if (id != 0) grown = to;
       of_goal.push_back(goal);
+    }
+    /// Whether the guide has no evidence against the motion of the other tree to the node that a draw has added.
+    bool worth_trying(const Configuration& a, const Configuration& b) {
+      if (search != Search::trees || pending != 0 || grown.empty()) return true;
+      return sampler.worth_connecting(sampler.node(a) != no_node ? a : b, grown);
     }
     void close_unused(std::uint64_t id) {
       if (id != 0) sampler.rejected(id, {}, proposal, {});
@@ -332,6 +341,7 @@ class OmplGuide {
     Configuration proposal;
     Configuration drawn;    ///< the proposal as OMPL stores it
     Configuration invalid;  ///< the last state found invalid since the last draw or motion
+    Configuration grown;    ///< the node that the last draw has added to a tree
     std::uint64_t pending = 0;
     std::uint64_t draws = 0;
     std::uint64_t checks = 0;
@@ -373,6 +383,7 @@ class OmplGuide {
     Motions(ompl::base::SpaceInformation* of, ompl::base::MotionValidatorPtr inner, Ask& ask)
         : ompl::base::MotionValidator(of), inner_(std::move(inner)), ask_(ask) {}
     bool checkMotion(const ompl::base::State* a, const ompl::base::State* b) const override {
+      if (!ask_.worth_trying(ask_.reals(a), ask_.reals(b))) return false;
       ask_.invalid.clear();
       const bool valid = checked([&] { return inner_->checkMotion(a, b); });
       answer(a, b, valid);

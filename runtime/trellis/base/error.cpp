@@ -27,9 +27,12 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view given, std::span<const std::string> known) {
+  // Nobody misspells a name of that length, and the time grows with its square.
+  constexpr std::size_t most = 200;
   const std::string* best = nullptr;
   std::size_t least = 0;
   for (const auto& name : known) {
+    if (given.size() > most || name.size() > most) continue;
     const std::size_t longer = std::max(given.size(), name.size());
     // Two changes leave next to nothing of three letters, unless they swap them: rtr is near rrt, but foo not near box.
     const bool swapped = given.size() == name.size() && std::is_permutation(given.begin(), given.end(), name.begin());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/base/errors.hpp>
 
-#include <algorithm>
 #include <utility>
 
 namespace trellis {
@@ -41,8 +40,7 @@ void ErrorList::add(const Error& error) {
   const auto* several = dynamic_cast<const Errors*>(&error);
   std::vector<std::string> messages = several != nullptr ? several->messages() : std::vector<std::string>{error.what()};
   for (std::string& message : messages) {
-    if (std::find(messages_.begin(), messages_.end(), message) == messages_.end())
-      messages_.push_back(std::move(message));
+    if (there_.insert(message).second) messages_.push_back(std::move(message));
   }
 }
 

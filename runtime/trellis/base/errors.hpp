@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include <trellis/base/error.hpp>
@@ -37,6 +38,7 @@ class ErrorList {
 
  private:
   std::vector<std::string> messages_;
+  std::unordered_set<std::string> there_;  ///< the same messages
 };
 
 }  // namespace trellis
