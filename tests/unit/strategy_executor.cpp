@@ -410,28 +410,6 @@ TEST_CASE("a guided search keeps its path where the planner beside it ends witho
   CHECK(kept >= 5);
 }
 
-TEST_CASE("where a path is refuted as the run ends, an earlier one takes its place", "[executor][anytime]") {
-  const auto problem = test::trap_problem();
-  const auto count = [&](const PlannerSpec& planner) {
-    std::size_t solved = 0;
-    for (std::uint64_t seed = 1; seed <= 15; ++seed) {
-      CAPTURE(planner.text(), seed);
-      const RunRecord run = execute(guide("skeleton") >> planner, problem, seed);
-      if (!run.solved) continue;
-      ++solved;
-      CHECK(run.status == Status::solved);
-      CHECK(run.certified);
-      // Of least cost, which a guide may raise, is not always the shortest.
-      CHECK(run.improvements.back().length <= run.length * (1.0 + 1e-12));
-    }
-    return solved;
-  };
-  // Without the earlier paths 10 and 8.
-  CHECK(count(PlannerSpec::make("rrt_star", {{"proposals", std::int64_t{800}}, {"improve", std::int64_t{100000}}})) >=
-        12);
-  CHECK(count(PlannerSpec::make("lazy_prm_star", {{"proposals", std::int64_t{200}}})) >= 10);
-}
-
 TEST_CASE("a guided run that is cut off has the first path of the whole run", "[executor][anytime]") {
   const auto star = PlannerSpec::make("lazy_prm_star", {{"proposals", std::int64_t{400}}});
   bool both = false;

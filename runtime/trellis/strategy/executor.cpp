@@ -112,10 +112,7 @@ class Running {
     }
     anytime_ = find_planner(strategy.planner().name())->component->find("improve") != nullptr;
     run_.clock.switch_to(&setup_);
-    root_->level().heuristic().report_paths([this](double length) {
-      note_improvement(run_, length);
-      if (anytime_ && companion_) root_->keep_path(length);
-    });
+    root_->level().heuristic().report_paths([this](double length) { note_improvement(run_, length); });
     if (strategy.guide() == nullptr) return;
     const PlannerCommon& common = root_->level().common();
     bound_ = options.companion ? common.bound : 0.0;

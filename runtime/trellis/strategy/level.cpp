@@ -2,7 +2,6 @@
 #include <trellis/strategy/level.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -229,15 +228,6 @@ void Level::refute() {
   // The points of the cost curve before the refuted path remain.
   if (!run_.improvements.empty()) run_.improvements.pop_back();
   run_.refuted = true;
-}
-
-void Level::replace_solution(Status status, Configurations path) {
-  found_ = !path.empty();
-  const double length = found_ ? path_length(instance_->space, path) : std::numeric_limits<double>::infinity();
-  constexpr double rounding = 1e-12;
-  auto& improvements = run_.improvements;
-  while (!improvements.empty() && improvements.back().length < length * (1.0 - rounding)) improvements.pop_back();
-  record_.solution = {status, found_ ? std::move(path) : path_of_start(*instance_)};
 }
 
 void Level::pause() {

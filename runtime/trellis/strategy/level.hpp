@@ -89,11 +89,6 @@ class Level {
   /// Refutes the path found, because its certificate failed. The next solve finds another path, and keeps what of the
   /// search its validity, which the caller has revised, still allows.
   void refute();
-  /// The path of an anytime planner that has one, while it searches.
-  [[nodiscard]] Configurations path_so_far() { return planner_->solution(Status::budget_spent).path; }
-  /// Replaces the path found where it is refuted as the run ends.
-  /// \param path  an earlier one; empty: none
-  void replace_solution(Status status, Configurations path);
 
   /// Completes the record after the run and moves it out, except for its key.
   /// \param lift  see ExecuteOptions
@@ -130,7 +125,6 @@ class Level {
   [[nodiscard]] Guide* projection() const { return lift_.get(); }
   /// The best solution of all solves.
   [[nodiscard]] const Solution& solution() const { return record_.solution; }
-  [[nodiscard]] double solution_length() const { return path_length(instance_->space, record_.solution.path); }
 
  private:
   /// While it exists, this level is charged and may spend a slice.

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/excluded.hpp>
@@ -113,17 +112,6 @@ class RootSearch {
     }
   }
 
-  /// Keeps the path of an anytime planner that has reported its length: should the last one be refuted as the run ends,
-  /// no search is left that could find another one.
-  void keep_path(double length) {
-    // States of a motion model are no path without their controls.
-    if (problem_.motion_model) return;
-    // So their number is a logarithm.
-    constexpr double much_shorter = 0.99;
-    if (!earlier_.empty() && length > much_shorter * earlier_.back().first) return;
-    earlier_.emplace_back(length, root_.path_so_far());
-  }
-
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] bool certified() const { return certified_; }
   /// The status with which it ended.
@@ -155,28 +143,13 @@ class RootSearch {
     certified_ = !place;
     constexpr std::uint64_t most_refuted = 1000;
     if (certified_ || ++refuted_paths_ >= most_refuted || run_.ledger.ending()) {
-      if (!certified_) take_earlier_path();
+      if (!certified_) status_ = run_.ledger.ending() ? Status::interrupted : Status::budget_spent;
       end();
       return;
     }
     revise(place->invalid);
-    // What the search finds next is no shorter.
-    while (!earlier_.empty() && earlier_.back().first <= root_.solution_length()) earlier_.pop_back();
     root_.refute();
     root_.begin_root();
-  }
-  /// Ends with the shortest of the kept paths that can be certified, in place of the refuted one; or with none.
-  void take_earlier_path() {
-    status_ = run_.ledger.ending() ? Status::interrupted : Status::budget_spent;
-    const double refuted = root_.solution_length();
-    for (; !earlier_.empty() && !certified_; earlier_.pop_back()) {
-      if (earlier_.back().first == refuted) continue;
-      path_ = std::move(earlier_.back().second);
-      certified_ = !check_path_.divide_and_refute(path_);
-      if (!certified_) ++refuted_paths_;
-    }
-    if (certified_) status_ = Status::solved;
-    root_.replace_solution(status_, certified_ ? path_ : Configurations());
   }
   void make_revisable() {
     validity_ = std::make_shared<RevisableValidity>(root_.instance().validity);
@@ -216,7 +189,6 @@ class RootSearch {
   std::shared_ptr<RevisableValidity> validity_;  ///< of the root, once it may be revised; check_path_ has the first one
   Status status_ = Status::interrupted;
   Configurations path_;
-  std::vector<std::pair<double, Configurations>> earlier_;  ///< kept paths with their lengths, the shortest last
   std::uint64_t refuted_paths_ = 0;
   bool begun_ = false;
   bool certified_ = false;
