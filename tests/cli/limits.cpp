@@ -204,7 +204,7 @@ TEST_CASE("pipes and devices are no input files", "[limits]") {
   for (const std::string command :
        {"run pipe.lua", "check pipe.lua", "explain pipe.lua", "test pipe.lua", "repl pipe.lua < /dev/null",
         "run mesh.lua", "run module.lua", "run scene.lua", "run paths.lua", "scene pipe.map", "experience pipe.db",
-        "verify pipe.json", "report pipe.json --html page.html", "report pipe.json --baseline a --out tables",
+        "verify pipe.json", "report pipe.json --html page.html", "report pipe.json --baseline a --figures tables",
         "run /dev/zero", "verify /dev/zero", "scene /dev/zero", "experience /dev/zero"}) {
     const auto outcome = place.shell("timeout 20 $T " + command);
     INFO(command << "\n" << outcome.err);
