@@ -108,7 +108,7 @@ TEST_CASE("where stderr cannot be written, every command ends with its own statu
                                     "experience none.db",
                                     "verify none.json",
                                     "report none.json --html page.html",
-                                    "report none.json --baseline a --out tables",
+                                    "report none.json --baseline a --figures tables",
                                     "measure none.json",
                                     "tune quick.lua",
                                     "sweep none.lua --out swept",

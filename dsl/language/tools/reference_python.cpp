@@ -89,7 +89,8 @@ std::string python_part(std::string_view type, bool result) {
     return fmt::format("{}[{}, {}]", result ? "Dict" : "Mapping", python_type(trimmed(inside[0]), result),
                        python_type(trimmed(inside[1]), result));
   }
-  const auto* const name = std::find_if(names.begin(), names.end(), [&](const auto& entry) { return entry.first == type; });
+  const auto* const name =
+      std::find_if(names.begin(), names.end(), [&](const auto& entry) { return entry.first == type; });
   if (name != names.end()) return std::string(name->second);
   if (type.starts_with('"')) return fmt::format("Literal[{}]", type);
   const bool object = type.starts_with("trellis.") && type.find_first_of("<({ ") == std::string_view::npos;
