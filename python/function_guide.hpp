@@ -3,6 +3,6 @@
 
 #include <pybind11/pybind11.h>
 
-/// Adds guides whose h is a function in Python: `_trellis.function_guide`, and the class Known. The module has the class
-/// Guide already.
+/// Adds guides whose h is a function in Python: `_trellis.function_guide`, and the class Known. The module has the
+/// class Guide already.
 void add_function_guides(pybind11::module_& module);

@@ -27,7 +27,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view given, std::span<const std::string> known) {
-  // Nobody misspells a name of that length, and the time grows with its square.
+  // A name of that length is not misspelt, and the time grows with its square.
   constexpr std::size_t most = 200;
   const std::string* best = nullptr;
   std::size_t least = 0;

@@ -57,9 +57,10 @@ class Sampler::Asked {
   Asked(const GuideSpec& guide, Problem problem, std::uint64_t seed, const SamplerOptions& options)
       : problem_(std::move(problem)), guide_(guide), options_(options), strategy_(planner_of(checked(options)), guide) {
     if (problem_.motion_model) {
-      throw Error(fmt::format("sampler: problem '{}' has the motion model {}; a sampler draws for planners that join "
-                              "configurations by straight motions: drop the model, or plan by kinodynamic_rrt",
-                              problem_.name, problem_.motion_model->name()));
+      throw Error(
+          fmt::format("sampler: problem '{}' has the motion model {}; a sampler draws for planners that join "
+                      "configurations by straight motions: drop the model, or plan by kinodynamic_rrt",
+                      problem_.name, problem_.motion_model->name()));
     }
     check(problem_);
     check_depth(strategy_);
