@@ -11,8 +11,13 @@
 /// meanwhile, or because Python ends. Scripts keep the function that reads it, longer than a call lasts.
 class Call {
  public:
+  /// Requires the GIL. \throws SystemExit while Python ends: that ends a thread without a word
   Call() {
     const std::scoped_lock lock(state().mutex);
+    if (state().exiting) {
+      PyErr_SetNone(PyExc_SystemExit);
+      throw pybind11::error_already_set();
+    }
     ++state().running;
   }
   ~Call() {
@@ -31,8 +36,8 @@ class Call {
   static bool is_exiting() { return state().exiting; }
   /// Stops all calls, of daemon threads too, and waits for them: they cannot return into an interpreter that has ended.
   static void exit() {
-    state().exiting = true;
     std::unique_lock lock(state().mutex);
+    state().exiting = true;
     state().ended.wait(lock, [] { return state().running == 0; });
   }
 
@@ -50,10 +55,3 @@ class Call {
     return one;
   }
 };
-
-/// Ends a thread that calls this module while Python ends. Requires the GIL.
-inline void refuse_at_exit() {
-  if (!Call::is_exiting()) return;
-  PyErr_SetNone(PyExc_SystemExit);
-  throw pybind11::error_already_set();
-}

@@ -186,7 +186,6 @@ class FunctionHeuristic final : public Heuristic {
     batch_.clear();
     next_ = 0;
     const py::gil_scoped_acquire held;
-    refuse_at_exit();
     const py::object known = py::cast(KnownArrays(log_, parent_, size_, seed));
     try {
       const py::object answer = function_->callable()(known);

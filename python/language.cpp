@@ -33,6 +33,8 @@
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/pictures/scenery.hpp>
 
+#include "call.hpp"
+
 namespace py = pybind11;
 
 using trellis::Error;
@@ -189,6 +191,7 @@ class Language {
       if (pace == Pace::slow) {
         place_.interruptibly(body);
       } else {
+        const Call running;
         const py::gil_scoped_release released;
         body();
       }

@@ -79,7 +79,6 @@ namespace dsl = trellis::dsl;
 /// the GIL, which it releases in between. \throws what `body`, a signal's handler or `meanwhile` throws.
 void interruptibly(const std::function<void()>& body, const std::function<void()>& meanwhile = {}) {
   constexpr std::chrono::milliseconds interval(50);
-  refuse_at_exit();
   const Call call;
   std::mutex mutex;
   std::condition_variable changed;

@@ -116,6 +116,7 @@ PythonSampler::PythonSampler(const trellis::GuideSpec& guide, const trellis::Pro
                              trellis::SamplerOptions options)
     : signals_(std::make_shared<Signals>()), sampler_([&] {
         options.interrupted = [signals = signals_] { return signals->stopped(); };
+        const Call running;
         const py::gil_scoped_release released;
         return trellis::Sampler(guide, problem, seed, options);
       }()) {}
@@ -123,7 +124,6 @@ PythonSampler::PythonSampler(const trellis::GuideSpec& guide, const trellis::Pro
 template <class Body>
 auto PythonSampler::released(const Body& body) {
   signals_->raised.reset();
-  refuse_at_exit();
   const Call running;
   try {
     const py::gil_scoped_release without;
