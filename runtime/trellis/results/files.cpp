@@ -217,14 +217,21 @@ void write_new_file(const std::string& path, const std::string& content) {
   if (reason != 0) fail(path, reason);
 }
 
-TemporaryFolder::TemporaryFolder() {
+namespace {
+
+std::string make_temporary_folder() {
   std::error_code fault;
-  path_ = (fs::temp_directory_path(fault) / "trellis-XXXXXX").string();
-  if (fault || ::mkdtemp(path_.data()) == nullptr) {
-    throw Error(fmt::format("no temporary folder '{}' can be made: {}", path_,
+  std::string path = (fs::temp_directory_path(fault) / "trellis-XXXXXX").string();
+  if (fault || ::mkdtemp(path.data()) == nullptr) {
+    throw Error(fmt::format("no temporary folder '{}' can be made: {}", path,
                             fault ? fault.message() : std::generic_category().message(errno)));
   }
+  return path;
 }
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() : path_(make_temporary_folder()) {}
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
