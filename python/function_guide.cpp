@@ -16,6 +16,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
+#include <trellis/base/slice_monitor.hpp>
 #include <trellis/guide/custom.hpp>
 #include <trellis/instance/search_cost.hpp>
 #include <trellis/strategy/spec.hpp>
@@ -188,7 +189,11 @@ class FunctionHeuristic final : public Heuristic {
     const py::gil_scoped_acquire held;
     const py::object known = py::cast(KnownArrays(log_, parent_, size_, seed));
     try {
-      const py::object answer = function_->callable()(known);
+      // An exception by which bounded loss ends a search would pass through Python: its checks are counted after it.
+      const py::object answer = [&] {
+        const MonitorScope unmonitored(nullptr);
+        return function_->callable()(known);
+      }();
       reads_ = known.cast<KnownArrays&>().reads();
       known.cast<KnownArrays&>().end();
       const auto rows = Rows::ensure(answer);

@@ -157,8 +157,7 @@ void PythonSampler::add_to(py::module_& module) {
            })
       .def("root", [](Self& self, const std::string& side,
                       std::size_t goal) { return self.sampler_.root(side_of(side), goal); })
-      .def("node",
-           [](const Self& self, const Array& q) { return number_or_none(self.sampler_.node(view_of(q, "a node"))); })
+      .def("node", [](Self& self, const Array& q) { return number_or_none(self.sampler_.node(view_of(q, "a node"))); })
       .def("nodes", [](const Self& self) { return self.sampler_.nodes(); })
       .def("accepted",
            [](Self& self, std::uint64_t id, const Array& q, std::optional<std::uint32_t> parent, bool reached,
@@ -176,10 +175,10 @@ void PythonSampler::add_to(py::module_& module) {
       .def("cleared", [](Self& self) { self.sampler_.cleared(); })
       .def("path_found", [](Self& self, double length) { self.sampler_.path_found(length); })
       .def("worth_connecting",
-           [](const Self& self, const Array& from, const Array& to) {
+           [](Self& self, const Array& from, const Array& to) {
              return self.sampler_.worth_connecting(view_of(from, "start"), view_of(to, "end"));
            })
-      .def("edge_factor", [](const Self& self, const Array& a,
+      .def("edge_factor", [](Self& self, const Array& a,
                              const Array& b) { return self.sampler_.edge_factor(view_of(a, "a"), view_of(b, "b")); })
       .def("spent", [](Self& self, std::uint64_t checks) { self.sampler_.spent(checks); })
       .def("allow",

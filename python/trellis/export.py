@@ -10,7 +10,6 @@ but Python itself. docs/formats.md describes the tables.
 """
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import os
@@ -21,8 +20,9 @@ import struct
 import sys
 from contextlib import contextmanager
 from itertools import groupby
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
+from ._command import Parser, fail
 from .columns import rows
 
 FORMAT = 5
@@ -423,19 +423,9 @@ def pdt(results: Document, folder: "Union[str, os.PathLike[str]]") -> None:
 # The command ---------------------------------------------------------------------------------------------------------
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        _fail(message, 2)
-
-
-def _fail(message: str, status: int) -> NoReturn:
-    sys.stderr.write(" ".join(message.split()) + "\n")
-    sys.exit(status)
-
-
 def main(arguments: Optional[Sequence[str]] = None) -> None:
     """Runs the command with these arguments (default those of the process)."""
-    parser = _Parser(prog="python3 -m trellis.export", allow_abbrev=False, description="Exports the runs of results.")
+    parser = Parser(prog="python3 -m trellis.export", allow_abbrev=False, description="Exports the runs of results.")
     parser.add_argument("--to", choices=("sqlite", "pdt"), required=True,
                         help="one SQLite file, also for Planner Arena; or a CSV file for each problem, for PDT")
     parser.add_argument("results", metavar="RESULTS", help="a document, or a folder of trellis run --out, sweep or merge")
@@ -444,13 +434,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     try:
         (sqlite if options.to == "sqlite" else pdt)(options.results, options.out)
     except Error as fault:
-        _fail(str(fault), 1)
+        fail(str(fault), 1)
     except sqlite3.Error as fault:
-        _fail(f"cannot write '{options.out}': {fault}", 1)
+        fail(f"cannot write '{options.out}': {fault}", 1)
     except OSError as fault:
-        _fail(f"{fault.filename or options.out}: {fault.strerror}", 1)
+        fail(f"{fault.filename or options.out}: {fault.strerror}", 1)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as fault:
-        _fail(f"{options.results}: the document is damaged or incomplete ({type(fault).__name__}: {fault})", 1)
+        fail(f"{options.results}: the document is damaged or incomplete ({type(fault).__name__}: {fault})", 1)
 
 
 if __name__ == "__main__":

@@ -122,6 +122,13 @@ TEST_CASE("a space information of one's own asks a guide", "[ompl]") {
   const ob::PlannerTerminationCondition over([&] { return guide.draws() > 5000; });
   CHECK(planner.solve(over) == ob::PlannerStatus::EXACT_SOLUTION);
   CHECK(guide.checks() == own - before);
+  // Without the guide it is as before.
+  const std::uint64_t draws = guide.draws();
+  own = 0;
+  { OmplGuide other(information, sampler, OmplGuide::Search::tree); }
+  CHECK(information->isValid(start.get()));
+  CHECK(own == 1);
+  CHECK(guide.draws() == draws);
   // Refusals have their place: the guide learns what is blocked.
   CHECK(sampler.nodes() > 10);
 }

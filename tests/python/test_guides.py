@@ -94,6 +94,18 @@ class Guides(unittest.TestCase):
             sampler.accepted(draw, draw.q, 0, reached=True)
         self.assertEqual(counts, [8, 16, 32, 64, 128, 256, 512, 512])
 
+    def test_a_function_may_check_under_bounded_loss(self):
+        def valid(known):
+            rows = known.rng.uniform(known.lo, known.hi, (4000, len(known.lo)))
+            return rows[known.valid(rows)]
+
+        runs = trellis.run({"alone": rrt(), "own": trellis.guide(valid) >> rrt()}, TRAP, seeds=6, baseline="alone").runs
+        checks = runs.set_index(["strategy", "seed"])["validity_checks"]
+        self.assertTrue(runs["solved"].all())
+        # One call is one step.
+        self.assertTrue((checks["own"] <= 2 * checks["alone"] + 864 + 4000).all())
+        self.assertTrue((checks["own"] > 4000).all())
+
     def test_draws_beyond_the_bounds_are_reflected(self):
         far = trellis.guide(lambda known: np.array([[-1.0, 11.0, 0.5]]), name="far")
         self.assertEqual(trellis.Sampler(far, TRAP, uniform=0.0).draw().q.tolist(), [1.0, 9.0, 0.5])

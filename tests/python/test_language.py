@@ -424,7 +424,7 @@ return experiment {
         by_values = trellis.run({"guided": guided}, trap, seeds=2)
         by_texts = trellis.run({"guided": "skeleton() >> rrt {}"}, "scenes.trap()", seeds=2)
         self.assertEqual(same(by_values.document), same(by_texts.document))
-        self.assertFalse(by_values.document["measure"].get("run"))  # scores nothing unless it is told
+        self.assertFalse(by_values.document["measure"].get("run"))  # scores nothing without `measure`
         scored = trellis.run(guided, trap, measure=trellis.tube(delta=0.25), seeds=2)
         self.assertTrue(scored.document["measure"]["run"])
         self.assertEqual(list(trellis.run([guided, trellis.rrt()], trap).document["runs"])[1]["strategy"], "rrt()")

@@ -110,6 +110,14 @@ class Faults(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(trellis.Error, text):
                 call()
+        unsuited = trellis.Sampler("couple()", TRAP)
+        for _ in range(3):
+            with self.assertRaisesRegex(trellis.Error, "couple"):
+                unsuited.draw()
+        self.assertEqual(unsuited.state, "untried")
+        for call in (sampler.worth_connecting, sampler.edge_factor):
+            with self.assertRaisesRegex(trellis.Error, "1 coordinates"):
+                call([1.0], TRAP.start)
         sampler.accepted(draw, draw.q, 0, reached=True)
         with self.assertRaisesRegex(trellis.Error, "draw 1 has an answer"):
             sampler.rejected(draw)

@@ -219,6 +219,25 @@ SCENARIO("a planner elsewhere answers draws", "[strategy][sampler]") {
       }
     }
   }
+  GIVEN("a sampler whose searches are interrupted now and then") {
+    const Problem problem = block_problem();
+    int polls = 0;
+    Sampler sampler(GuideSpec::make("shrink", {{"scale", 0.5}}), problem, 1,
+                    {.interrupted = [&] { return ++polls % 40 == 0; }});
+    Configuration q(3);
+    THEN("the other draws go on") {
+      int drawn = 0;
+      for (int i = 0; i < 200; ++i) {
+        try {
+          sampler.rejected(sampler.draw(q).id, problem.start, q, q);
+          ++drawn;
+        } catch (const SamplerInterrupted&) {
+        }
+      }
+      CHECK(drawn > 50);
+      CHECK(drawn < 200);
+    }
+  }
   GIVEN("a sampler for planners in bulk") {
     const Problem problem = block_problem();
     const SamplerOptions options = {.uniform = 0.0, .goal_bias = 0.1, .optimistic = true};
@@ -296,9 +315,19 @@ TEST_CASE("a sampler refuses what a run refuses", "[strategy][sampler]") {
   Sampler sampler(skeleton, problem, 1);
   Configuration q(2);
   CHECK_THROWS_WITH(sampler.draw(q), Contains("2 coordinates"));
-  Sampler stopped(skeleton, problem, 1, {.interrupted = [] { return true; }});
+  CHECK_THROWS_WITH(sampler.node(q), Contains("2 coordinates"));
+  CHECK_THROWS_WITH(sampler.worth_connecting(problem.start, q), Contains("2 coordinates"));
+  CHECK_THROWS_WITH(sampler.edge_factor(q, problem.start), Contains("2 coordinates"));
+  CHECK_THROWS_WITH(sampler.root(Side::goal, 1), Contains("no goal 1 of 1"));
   Configuration r(3);
-  CHECK_THROWS_AS(stopped.draw(r), SamplerInterrupted);
+  Sampler stopped(skeleton, problem, 1, {.interrupted = [] { return true; }});
+  for (int i = 0; i < 3; ++i) CHECK_THROWS_AS(stopped.draw(r), SamplerInterrupted);
+  // A guide that cannot make its space fails at each call, not at the first alone.
+  Sampler unsuited(GuideSpec::make("couple", {}), problem, 1);
+  for (int i = 0; i < 3; ++i) CHECK_THROWS_WITH(unsuited.draw(r), Contains("couple"));
+  CHECK_THROWS_WITH(unsuited.accepted(0, problem.start, no_node, true), Contains("couple"));
+  CHECK_THROWS_WITH(unsuited.levels(), Contains("couple"));
+  CHECK(unsuited.level() == Found::untried);
 }
 
 TEST_CASE("bounded loss holds for planners elsewhere", "[strategy][sampler]") {

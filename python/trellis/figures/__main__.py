@@ -8,27 +8,18 @@ import argparse
 import os
 import signal
 import sys
-from typing import Any, List, NoReturn, Optional, Sequence
+from typing import Any, List, Optional, Sequence
 
+from .._command import Parser, fail
 from ._document import Error, read
 from ._save import FORMATS, check_figures, draw, saved
 
 _TABLES = ("csv", "markdown", "latex")
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        _fail(message, 2)
-
-
-def _fail(message: str, status: int) -> NoReturn:
-    sys.stderr.write(" ".join(message.split()) + "\n")
-    sys.exit(status)
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="python3 -m trellis.figures", allow_abbrev=False,
-                     description="Draws figures and writes tables of documents of `trellis run --json`.")
+    parser = Parser(prog="python3 -m trellis.figures", allow_abbrev=False,
+                    description="Draws figures and writes tables of documents of `trellis run --json`.")
     parser.add_argument("documents", metavar="DOCUMENT", nargs="+",
                         help="a document; runs of several documents are joined")
     parser.add_argument("--out", metavar="DIR", help="the folder of the figures and tables")
@@ -107,21 +98,21 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
             if one not in FORMATS:
                 raise Error(f"--format: there is no format '{one}'; there are: {', '.join(FORMATS)}")
     except Error as fault:
-        _fail(str(fault), 2)
+        fail(str(fault), 2)
     try:
         _run(options)
     except Error as fault:
-        _fail(str(fault), 1)
+        fail(str(fault), 1)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except OSError as fault:
-        _fail(f"{fault.filename}: {fault.strerror}" if fault.filename else str(fault), 1)
+        fail(f"{fault.filename}: {fault.strerror}" if fault.filename else str(fault), 1)
     except ImportError as missing:
-        _fail(str(missing), 1)
+        fail(str(missing), 1)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as fault:
         where: List[str] = options.documents
-        _fail(f"{', '.join(where)}: the document is damaged or incomplete ({type(fault).__name__}: {fault})", 1)
+        fail(f"{', '.join(where)}: the document is damaged or incomplete ({type(fault).__name__}: {fault})", 1)
 
 
 if __name__ == "__main__":

@@ -166,10 +166,11 @@ class OmplProblem {
 /// information ask a Sampler, and reports what becomes of the draws. Nodes are found by their coordinates. It counts
 /// the validity checks of the planner. A motion is invalid at the state that was found invalid.
 ///
-/// Make it before the planner's setup(); it outlives the planner's solve. It serves one planner at a time, and one
-/// solve: later ones may continue its tree, but not after
-/// Planner::clear, before which `Sampler::cleared` is called. Planners that draw or check in several threads are not
-/// supported; `connected` may be called by any thread, as PRM calls its termination condition.
+/// Make it before the planner's setup(); it outlives the planner's solve. Its end gives the space information back its
+/// validity checker and motion validator, and OMPL's samplers. It serves one planner and one solve: later ones may
+/// continue its tree, but not after Planner::clear, before which `Sampler::cleared` is called. Planners that draw or
+/// check in several threads are not supported; `connected` may be called by any thread, as PRM calls its termination
+/// condition.
 class OmplGuide {
  public:
   /// How the planner searches.
@@ -187,12 +188,13 @@ class OmplGuide {
   /// \param spent  called with each number of checks of the planner, and of the guide; empty: nothing is
   OmplGuide(const ompl::base::SpaceInformationPtr& information, Sampler& sampler, Search search,
             std::function<void(std::uint64_t)> spent = {})
-      : ask_(std::make_shared<Ask>(information.get(), sampler, search, std::move(spent))) {
+      : ask_(std::make_shared<Ask>(information.get(), sampler, search, std::move(spent))),
+        information_(information),
+        valid_(information->getStateValidityChecker()),
+        motions_(information->getMotionValidator()) {
     const auto ask = ask_;
-    information->setStateValidityChecker(
-        std::make_shared<Valid>(information.get(), information->getStateValidityChecker(), *ask));
-    information->setMotionValidator(
-        std::make_shared<Motions>(information.get(), information->getMotionValidator(), *ask));
+    information->setStateValidityChecker(std::make_shared<Valid>(information.get(), valid_, *ask));
+    information->setMotionValidator(std::make_shared<Motions>(information.get(), motions_, *ask));
     // It estimates the space's projection by many samples, which are not the guide's.
     information->setup();
     information->getStateSpace()->setStateSamplerAllocator(
@@ -203,6 +205,15 @@ class OmplGuide {
     if (search == Search::trees) return;
     information->setValidStateSamplerAllocator(
         [ask](const ompl::base::SpaceInformation* of) { return std::make_shared<ValidDraws>(of, *ask); });
+  }
+
+  OmplGuide(const OmplGuide&) = delete;
+  OmplGuide& operator=(const OmplGuide&) = delete;
+  ~OmplGuide() {
+    information_->setStateValidityChecker(valid_);
+    information_->setMotionValidator(motions_);
+    information_->getStateSpace()->clearStateSamplerAllocator();
+    if (ask_->search == Search::roadmap) information_->clearValidStateSamplerAllocator();
   }
 
   /// Validity checks of the planner so far.
@@ -253,7 +264,7 @@ class OmplGuide {
       std::uint32_t near = sampler.node(from);
       if (near == no_node) {
         near = sampler.node(to);
-        std::swap(from, to);
+        if (near != no_node) std::swap(from, to);
       }
       const std::uint64_t id = std::exchange(pending, 0);
       if (!valid) return sampler.rejected(id, from, to, place);
@@ -464,6 +475,9 @@ class OmplGuide {
   };
 
   std::shared_ptr<Ask> ask_;
+  ompl::base::SpaceInformationPtr information_;
+  ompl::base::StateValidityCheckerPtr valid_;  ///< the information's own
+  ompl::base::MotionValidatorPtr motions_;
 };
 
 }  // namespace trellis

@@ -907,7 +907,7 @@ Tables tables_of(const HtmlContent& content) {
   return {summary_table(content), levels_templates(content.summary) + costs_scripts(content)};
 }
 
-/// \param viewers  the scripts before the page's that its problems need
+/// \param viewers  the scripts between the charts' and the page's that its problems need
 std::string page_of(const HtmlContent& content, const Tables& tables, const std::string& notes, const std::string& data,
                     const std::string& viewers = "") {
   const HtmlParts& parts = html_parts();
@@ -923,7 +923,7 @@ std::string page_of(const HtmlContent& content, const Tables& tables, const std:
                  {"SUMMARY", tables.summary},
                  {"NOTES", notes},
                  {"DATA", tables.worth + data},
-                 {"SCRIPT", viewers + std::string(parts.charts) + std::string(parts.script)}});
+                 {"SCRIPT", std::string(parts.charts) + viewers + std::string(parts.script)}});
 }
 
 }  // namespace

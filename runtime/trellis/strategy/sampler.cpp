@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -130,12 +131,12 @@ class Sampler::Asked {
     return goals_ + static_cast<std::uint32_t>(goal);
   }
 
-  [[nodiscard]] std::uint32_t node(View q) const {
-    if (q.size() != space().dimension()) return no_node;
-    Configuration normal(q.begin(), q.end());
-    space().normalise(normal);
-    const auto found = rows_.find(key(normal));
-    return found != rows_.end() ? number(found->second) : no_node;
+  [[nodiscard]] std::uint32_t node(View q) {
+    begin();
+    check_configuration(q, "the node");
+    Configuration normal;
+    set(normal, q);
+    return number(row_of(normal));
   }
   [[nodiscard]] std::size_t nodes() const { return std::max<std::size_t>(1, count()); }
   [[nodiscard]] Configuration configuration(std::uint32_t node) {
@@ -226,8 +227,18 @@ class Sampler::Asked {
     h().found(ready);
   }
 
-  [[nodiscard]] bool worth_connecting(View from, View to) const { return h().worth_connecting(from, to); }
-  [[nodiscard]] double edge_factor(View a, View b) const { return h().edge_factor(a, b).value_or(1.0); }
+  [[nodiscard]] bool worth_connecting(View from, View to) {
+    begin();
+    check_configuration(from, "the beginning of a motion");
+    check_configuration(to, "the end of a motion");
+    return h().worth_connecting(from, to);
+  }
+  [[nodiscard]] double edge_factor(View a, View b) {
+    begin();
+    check_configuration(a, "an end of an edge");
+    check_configuration(b, "an end of an edge");
+    return h().edge_factor(a, b).value_or(1.0);
+  }
 
   void spent(std::uint64_t checks) {
     Checks& counted = level_->instance().checks;
@@ -245,7 +256,7 @@ class Sampler::Asked {
   }
 
   [[nodiscard]] Found level() const {
-    if (!begun_) return Found::untried;
+    if (!begun_ || h().guide() == nullptr) return Found::untried;
     const SearchedGuidance* guide = h().guide();
     Found best = guide->searches() ? Found::untried : Found::found;
     for (const Level* below : run_.levels) {
@@ -322,11 +333,17 @@ class Sampler::Asked {
   [[nodiscard]] Search& search() const { return level_->search(); }
   [[nodiscard]] bool is_tree() const { return options_.step > 0.0; }
 
-  /// Sets up the guides, and the search.
+  /// Sets up the guides, and the search. Where that fails, it fails at each call: levels may be there in part.
   void begin() {
+    if (failed_) std::rethrow_exception(failed_);
     if (std::exchange(begun_, true)) return;
     run_.ledger.set_up([this] {
-      level_->guide_by(guide_);
+      try {
+        level_->guide_by(guide_);
+      } catch (...) {
+        failed_ = std::current_exception();
+        throw;
+      }
       return true;
     });
     level_->plan_elsewhere(std::make_unique<Elsewhere>(PlannerContext{
@@ -454,6 +471,7 @@ class Sampler::Asked {
   Run run_;
   std::unique_ptr<Level> level_;
   bool begun_ = false;
+  std::exception_ptr failed_;  ///< what set-up threw
   std::uint64_t spent_ = 0;
   std::uint64_t id_ = 0;  ///< of the last draw
   bool pending_ = false;  ///< it has no answer
@@ -476,7 +494,7 @@ Sampler::~Sampler() = default;
 Draw Sampler::draw(MutableView out, Side side) { return asked_->draw(out, side); }
 Configurations Sampler::draw_many(std::size_t n, Side side) { return asked_->draw_many(n, side); }
 std::uint32_t Sampler::root(Side side, std::size_t goal) { return asked_->root(side, goal); }
-std::uint32_t Sampler::node(View q) const { return asked_->node(q); }
+std::uint32_t Sampler::node(View q) { return asked_->node(q); }
 std::size_t Sampler::nodes() const { return asked_->nodes(); }
 Configuration Sampler::configuration(std::uint32_t node) { return asked_->configuration(node); }
 std::uint32_t Sampler::accepted(std::uint64_t id, View q, std::uint32_t parent, bool reached, bool connected,
@@ -489,8 +507,8 @@ void Sampler::rejected(std::uint64_t id, View from, View to, View first_invalid)
 void Sampler::joined(std::uint32_t node, Side side) { asked_->joined(node, side); }
 void Sampler::cleared() { asked_->cleared(); }
 void Sampler::path_found(double length) { asked_->path_found(length); }
-bool Sampler::worth_connecting(View from, View to) const { return asked_->worth_connecting(from, to); }
-double Sampler::edge_factor(View a, View b) const { return asked_->edge_factor(a, b); }
+bool Sampler::worth_connecting(View from, View to) { return asked_->worth_connecting(from, to); }
+double Sampler::edge_factor(View a, View b) { return asked_->edge_factor(a, b); }
 void Sampler::spent(std::uint64_t checks) { asked_->spent(checks); }
 bool Sampler::allow(std::uint64_t checks) { return asked_->allow(checks); }
 Found Sampler::level() const { return asked_->level(); }

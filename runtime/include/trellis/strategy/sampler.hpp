@@ -99,9 +99,11 @@ class Sampler {
 
   /// The number of a root: the start, or a goal, which is added as a node at the first call.
   /// \param goal  index of the problem's goal; 0 for the start
+  /// \throws Error for a goal that the problem does not have
   std::uint32_t root(Side side, std::size_t goal = 0);
   /// The number of the node with exactly these coordinates; no_node: there is none.
-  [[nodiscard]] std::uint32_t node(View q) const;
+  /// \throws Error for another dimension, or coordinates that are not finite
+  [[nodiscard]] std::uint32_t node(View q);
   [[nodiscard]] std::size_t nodes() const;  ///< the number of nodes
   /// The coordinates of a node.
   /// \param node  its number
@@ -137,9 +139,11 @@ class Sampler {
   void path_found(double length);
 
   /// Whether the guide has no evidence against a motion beyond the last draw, as to a goal or to the other tree.
-  [[nodiscard]] bool worth_connecting(View from, View to) const;
+  /// \throws Error as `node`
+  [[nodiscard]] bool worth_connecting(View from, View to);
   /// Factor >= 1 on the cost of an edge in a search of a lazy roadmap: larger where it leaves the guiding paths.
-  [[nodiscard]] double edge_factor(View a, View b) const;
+  /// \throws Error as `node`
+  [[nodiscard]] double edge_factor(View a, View b);
 
   /// Adds validity checks of the planner since the last call: guides divide work by them.
   void spent(std::uint64_t checks);

@@ -131,5 +131,5 @@ function costs(to, all, cost, width) {
                      figure('Runs with a path by this cost', success(strategies, cost, label, width), key));
 }
 
-return { costs };
+return { costs, svg, text };
 })();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The schedule of a team: when each robot moves and how fast, and the smallest distance between two. Before report.js,
-// which gives it the robots' parts at each moment.
+// The schedule of a team: when each robot moves and how fast, and the smallest distance between two. After charts.js and
+// before report.js, which gives it the robots' parts at each moment.
 const teams = (() => {
 'use strict';
 
@@ -93,13 +93,7 @@ function pieces(vertices, triangles) {
 
 // The chart -------------------------------------------------------------------------------------------------------------
 
-const svg = (tag, fields, ...children) => {
-  const e = document.createElementNS('http://www.w3.org/2000/svg', tag);
-  for (const [name, value] of Object.entries(fields || {})) e.setAttribute(name, value);
-  e.append(...children);
-  return e;
-};
-const text = (x, y, words, fields) => svg('text', { x, y, ...fields }, words);
+const { svg, text } = charts;
 const digits = (x, n = 2) => String(+x.toPrecision(n));
 
 /// Ticks of a linear axis from 0 on.
