@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Planners of OMPL that draw from a guide. Built where OMPL is installed.
 #include <ompl/base/spaces/SE2StateSpace.h>
+#include <ompl/base/spaces/SE3StateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/planners/prm/PRM.h>
 #include <ompl/geometric/planners/rrt/RRT.h>
@@ -12,6 +13,7 @@
 #include <trellis/ompl.hpp>
 
 #include "support/catch.hpp"
+#include "support/space.hpp"
 #include "support/worlds.hpp"
 
 namespace ob = ompl::base;
@@ -131,4 +133,42 @@ TEST_CASE("a space information of one's own asks a guide", "[ompl]") {
   CHECK(guide.draws() == draws);
   // Refusals have their place: the guide learns what is blocked.
   CHECK(sampler.nodes() > 10);
+}
+
+TEST_CASE("states of SE(3) are configurations of a body in space", "[ompl]") {
+  ompl::msg::noOutputHandler();
+  const Problem problem = test::slot_problem();
+  const auto space = std::make_shared<ob::SE3StateSpace>();
+  ob::RealVectorBounds bounds(3);
+  for (unsigned j = 0; j < 3; ++j) {
+    bounds.setLow(j, problem.space.coordinates()[j].lo);
+    bounds.setHigh(j, problem.space.coordinates()[j].hi);
+  }
+  space->setBounds(bounds);
+  const auto information = std::make_shared<ob::SpaceInformation>(space);
+  const auto instance = make_instance(problem);
+  information->setStateValidityChecker([&](const ob::State* q) {
+    const Configuration at = reals_of(*space, q);
+    return instance->space.contains(at) && instance->valid(at);
+  });
+  information->setup();
+  Sampler sampler(GuideSpec::make("workspace", {}), problem, 1);
+  OmplGuide guide(information, sampler, OmplGuide::Search::tree);
+  const auto state = [&](const Configuration& q) {
+    ob::ScopedState<> of(space);
+    space->copyFromReals(of.get(), {q.begin(), q.end()});
+    return of;
+  };
+  const auto definition = std::make_shared<ob::ProblemDefinition>(information);
+  definition->setStartAndGoalStates(state(problem.start), state(problem.goal()));
+  og::RRT planner(information);
+  planner.setRange(0.5);
+  planner.setProblemDefinition(definition);
+  planner.setup();
+  const ob::PlannerTerminationCondition over([&] { return guide.draws() > 2000; });
+  static_cast<void>(planner.solve(over));
+  // All nodes but the start have one of these as their parent: each was found by its coordinates.
+  const Search search = sampler.levels().front().search;
+  REQUIRE(search.nodes.size() > 20);
+  for (std::size_t i = 1; i < search.nodes.size(); ++i) CHECK(search.parents[i] < i);
 }
