@@ -225,7 +225,7 @@ SCENARIO("a planner elsewhere answers draws", "[strategy][sampler]") {
     Sampler sampler(GuideSpec::make("shrink", {{"scale", 0.5}}), problem, 1,
                     {.interrupted = [&] { return ++polls % 40 == 0; }});
     Configuration q(3);
-    THEN("the other draws go on") {
+    THEN("the other draws continue") {
       int drawn = 0;
       for (int i = 0; i < 200; ++i) {
         try {
